@@ -3,7 +3,7 @@
 //! usage: cargo bench --bench files [-- TRIANGLES]
 
 use morion::internals::export::{Label, read_3mf, read_stl, write_3mf, write_stl};
-use morion::internals::geom::{DVec3, Precision, TriMesh};
+use morion::internals::geom::{DVec3, PartFeatures, Precision, TriMesh};
 use morion::internals::solid::Solid;
 use std::error::Error;
 use std::fs::File;
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // cargo adds `--bench`.
     let mut given = std::env::args().skip(1).filter(|text| text != "--bench");
     let triangles = given.next().map_or(Ok(1_000_000), |text| text.parse())?;
-    let solid = Solid::from_face(&face(triangles).into(), None, Precision::Single)?;
+    let solid = Solid::from_face(&face(triangles).into(), PartFeatures::NONE, Precision::Single)?;
     let label = Label {
         profile: "files".into(),
         sha256: "0".repeat(64),

@@ -180,7 +180,7 @@ fn curved(options: &Options, step: &str) -> Result<(), Box<dyn Error>> {
         write_step(
             &mut bytes,
             &fit,
-            design.border.as_ref(),
+            design.features(),
             &StepSchema::Ap214,
             &label(&design.profile),
         )?;
@@ -243,7 +243,7 @@ fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn E
         precision: Precision::Single,
     };
     let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)?;
-    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single)?;
+    let solid = Solid::from_face(&face.mesh, design.features(), Precision::Single)?;
     let mut bytes = Vec::new();
     write_stl(&mut bytes, &solid, &label(profile))?;
     Ok((design, read_stl(&bytes)?.mesh))

@@ -1,7 +1,7 @@
 //! The material around a mirror, once its outline is known.
 
 use super::DesignError;
-use crate::geom::{Border, DVec2, Drilled, Land, Outline, Rect};
+use crate::geom::{Border, DVec2, Drilled, Hole, Land, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::rounding::significant;
 use crate::num::{cos, radians, sin};
@@ -17,18 +17,35 @@ const FLAT_MM: f64 = 1e-6;
 /// # Errors
 /// [`DesignError::Border`] when a hole, a mark or rounded corners do not fit.
 pub(super) fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
-    let Some(border) = &profile.part.border else { return Ok(None) };
-    let outline = outline_about_axis(mirror, border.rim_mm);
-    if let Some(conflict) = border.conflicts(&outline).into_iter().next() {
-        let hint = fitting(border, &outline, &conflict).unwrap_or(conflict.hint);
+    let part = &profile.part;
+    if part.border.is_none() && part.holes.is_empty() {
+        return Ok(None);
+    }
+    let rim_mm = part.border.as_ref().map_or(0.0, |border| border.rim_mm);
+    let outline = outline_about_axis(mirror, rim_mm);
+    if let Some(conflict) = part.conflicts(&outline).into_iter().next() {
+        let border = part.border.as_ref();
+        let hint = border.and_then(|border| fitting(border, &outline, &conflict));
+        let hint = hint.unwrap_or(conflict.hint);
         return Err(DesignError::Border { message: conflict.message, hint });
     }
-    let (in_land, holes): (Vec<Drilled>, Vec<Drilled>) =
-        border.holes.iter().partition(|hole| is_in_land(&outline, hole));
+    let Some(border) = &part.border else { return Ok(None) };
+    let plain = border.holes.iter().map(|spot| Hole::plain(spot.at, spot.diameter_mm));
+    let through = part.holes.iter().filter(|spec| spec.blind.is_none());
+    let (in_land, holes): (Vec<Hole>, Vec<Hole>) = plain
+        .chain(through.clone().map(|spec| spec.hole))
+        .partition(|hole| is_in_land(&outline, hole.at));
     let land = match in_land.first() {
         None => None,
         Some(hole) => Some(Land { z_mm: land(mirror, hole)?, holes: in_land }),
     };
+    for spec in through.filter(|spec| is_in_land(&outline, spec.hole.at)) {
+        let z_mm = land.as_ref().map_or(0.0, |land| land.z_mm);
+        if let Some((message, least_mm)) = spec.shallow(z_mm) {
+            let base_mm = digits(part.base_mm + least_mm - z_mm + 5e-4);
+            return Err(DesignError::Border { message, hint: format!("set base_mm = {base_mm}") });
+        }
+    }
     Ok(Some(Border {
         contour: border.contour(&outline),
         top_mm: border.rim_mm,
@@ -53,6 +70,8 @@ fn fitting(border: &BorderSpec, mirror: &Outline, conflict: &BorderConflict) -> 
         }
         BorderFeature::Hole(_) => "hole",
         BorderFeature::Mark(_) => "mark",
+        // (Its diameter is that of a drill.)
+        BorderFeature::Drilling(_) => return None,
     };
     let wide = digits(border.width_mm.max(BorderSpec::LEAST_MM + 4.0 * BorderSpec::CLEAR_MM));
     [border.width_mm, wide].into_iter().find_map(|width_mm| {
@@ -60,7 +79,7 @@ fn fitting(border: &BorderSpec, mirror: &Outline, conflict: &BorderConflict) -> 
         let spot = match conflict.feature {
             BorderFeature::Hole(k) => &mut tried.holes[k],
             BorderFeature::Mark(k) => &mut tried.marks[k],
-            BorderFeature::Corners => return None,
+            BorderFeature::Corners | BorderFeature::Drilling(_) => return None,
         };
         let before = spot.at.length();
         *spot = middle(mirror, width_mm, spot);
@@ -97,7 +116,7 @@ fn digits(x: f64) -> f64 {
 }
 
 /// Z of the land inside a ring, which must be flat for `hole` to go through it.
-fn land(mirror: &Mirror, hole: &Drilled) -> Result<f64, DesignError> {
+fn land(mirror: &Mirror, hole: &Hole) -> Result<f64, DesignError> {
     let Outline::Ring { inner, .. } = mirror.outline else { unreachable!("a ring has a land") };
     let z = mirror.rim_mm(inner);
     let off = (0..360).map(|degrees| {

@@ -3,6 +3,7 @@
 mod anderson;
 mod barrier_hessian;
 mod basis;
+mod blind_holes;
 mod border;
 mod broyden;
 mod cause;
@@ -39,7 +40,9 @@ pub use remedy::{KeyChange, KeyValue, LesserError, MOST_TRIALS, Remedy, lesser_e
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
-use crate::geom::{Border, Contour, DVec2, DatumScheme, Obstacle, Outline, Rect};
+use crate::geom::{
+    BlindHole, Border, Contour, DVec2, DatumScheme, Obstacle, Outline, PartFeatures, Rect,
+};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, MethodKind, Profile, ProjectionSpec, ShapeSpec};
@@ -61,6 +64,8 @@ pub struct Design {
     pub camera: Camera,
     /// The border around the mirror.
     pub border: Option<Border>,
+    /// Holes from the base that end below the mirror or the border, each of them with the material above it that it needs.
+    pub blind_holes: Vec<BlindHole>,
     /// Places of camera and target, and the size of the part.
     pub mounting: Mounting,
     /// What stands beside the mirror and may hide what rays would show: the profile's obstacles in its order and
@@ -76,7 +81,7 @@ impl Design {
     pub fn volume(&self) -> f64 {
         let volume = |border: &Border| border.volume(self.mirror.footprint(border.top_mm));
         let around = self.border.as_ref().map(volume);
-        self.mirror.volume() + around.unwrap_or(0.0)
+        self.mirror.volume() + around.unwrap_or(0.0) - self.features().blind_mm3()
     }
 
     /// The rectangle along X and Y around the part, mm.
@@ -130,10 +135,16 @@ impl Design {
         LeastError::of(&self.mirror, &self.camera, self.view.as_ref()?)
     }
 
+    /// Border and blind holes.
+    #[must_use]
+    pub fn features(&self) -> PartFeatures<'_> {
+        PartFeatures { border: self.border.as_ref(), blind_holes: &self.blind_holes }
+    }
+
     /// Number of holes through the part.
     #[must_use]
     pub fn holes(&self) -> usize {
-        self.border.as_ref().map_or(0, |border| border.through().count())
+        self.features().through()
     }
 }
 
@@ -355,11 +366,12 @@ fn place_on_base(
         faceted_target::check_mirror(&mirror, view)?;
     }
     let border = border::around(profile, &mirror)?;
-    let mounting =
-        Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), max_height + lift);
+    let top_mm = max_height + lift;
+    let blind_holes = blind_holes::below(profile, &mirror, border.as_ref(), top_mm)?;
+    let mounting = Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), top_mm);
     let obstacles = obstacles::placed(profile, &camera, &mounting);
     let profile = Arc::new(profile.clone());
-    Ok(Design { profile, mirror, view, camera, border, mounting, obstacles, facts })
+    Ok(Design { profile, mirror, view, camera, border, blind_holes, mounting, obstacles, facts })
 }
 
 #[cfg(test)]

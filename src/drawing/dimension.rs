@@ -1,12 +1,13 @@
 //! Dimensions, leaders, datum features and tolerance frames (ISO 129-1, ISO 1101, ISO 5459).
 
-use crate::sheet::{Pen, Sheet, SheetColour, TextAlign};
+use crate::sheet::{Dashes, Pen, Sheet, SheetColour, TextAlign};
 
 /// Lines of the part, and all others (ISO 128-2: twice as wide).
 pub(super) const WIDE: Pen = Pen::black(0.5);
 pub(super) const NARROW: Pen = Pen::black(0.2);
-/// An axis, and what stands behind.
-pub(super) const AXIS: Pen = Pen::chain(0.2);
+/// An axis, what is hidden, and what stands behind.
+pub(super) const AXIS: Pen = Pen::broken(0.2, Dashes::Chain);
+pub(super) const HIDDEN: Pen = Pen::broken(0.2, Dashes::Dashed);
 pub(super) const FAINT: Pen = Pen::black(0.13).coloured(SheetColour::Grey);
 /// Height of a drawing's letters, and of small ones, mm (ISO 3098).
 pub(super) const TEXT: f64 = 3.0;

@@ -177,7 +177,7 @@ impl PartEdges {
 mod tests {
     use super::*;
     use crate::drawing::lines::joined;
-    use crate::geom::{Border, Contour, Drilled, FaceMesh, Precision, TriMesh};
+    use crate::geom::{Border, Contour, FaceMesh, Hole, PartFeatures, Precision, TriMesh};
 
     /// A plateau of 4 x 4 mm, 3 mm high, on a flat rim of 10 x 8 mm that is 1 mm high and has a hole.
     fn part() -> Solid {
@@ -188,11 +188,11 @@ mod tests {
         let border = Border {
             contour: Contour::Rect { half: DVec2::new(5.0, 4.0), corner_mm: 0.0 },
             top_mm: 1.0,
-            holes: vec![Drilled { at: DVec2::new(3.5, 3.0), diameter_mm: 1.0 }],
+            holes: vec![Hole::plain(DVec2::new(3.5, 3.0), 1.0)],
             marks: Vec::new(),
             land: None,
         };
-        Solid::from_face(&face, Some(&border), Precision::Double).unwrap()
+        Solid::from_face(&face, PartFeatures::bordered(Some(&border)), Precision::Double).unwrap()
     }
 
     fn lines(view: &ViewFrame) -> Vec<Vec<DVec2>> {

@@ -2,8 +2,8 @@
 
 use super::DrawnPart;
 use super::dimension::{
-    AXIS, FAINT, NARROW, SMALL, TEXT, WIDE, arrow, datum, leader, level, mm, profile_tolerance,
-    upright,
+    AXIS, FAINT, HIDDEN, NARROW, SMALL, TEXT, WIDE, arrow, datum, leader, level, mm,
+    profile_tolerance, upright,
 };
 use super::lines::{Segment, joined};
 use super::paper::{Area, PaperLayout};
@@ -104,11 +104,13 @@ impl ViewPainter<'_> {
         };
         // Chords of a circle are drawn as the circle.
         let is_chord = |s: &Segment| circles.iter().any(|c| s.iter().all(|end| lies_on(end, c)));
-        let segments: Vec<Segment> =
-            self.edges.seen(&view.frame).into_iter().filter(|s| !is_chord(s)).collect();
+        let seen = self.edges.seen(&view.frame);
+        let segments: Vec<Segment> = seen.iter().copied().filter(|s| !is_chord(s)).collect();
         view.draw(sheet, &segments, WIDE);
-        for (centre, radius) in circles {
-            sheet.circle(view.at(*centre), radius * view.scale, WIDE);
+        for circle in circles {
+            let is_seen = seen.iter().any(|s| s.iter().all(|end| lies_on(end, circle)));
+            let pen = if is_seen { WIDE } else { HIDDEN };
+            sheet.circle(view.at(circle.0), circle.1 * view.scale, pen);
         }
         let Area { left, low, right, high } = self.rim();
         axes(sheet, [left - BEYOND, right + BEYOND], [low - BEYOND, high + BEYOND], view.origin);

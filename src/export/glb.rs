@@ -223,7 +223,7 @@ fn fixed(x: f32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{DVec3, Precision};
+    use crate::geom::{DVec3, PartFeatures, Precision};
     use serde_json::Value;
 
     /// A dome of `side` by `side` vertices.
@@ -239,7 +239,12 @@ mod tests {
         };
         let vertices = (0..side * side).map(vertex).collect();
         let triangles = (0..(side - 1) * (side - 1)).flat_map(quad).collect();
-        Solid::from_face(&TriMesh { vertices, triangles }.into(), None, Precision::Single).unwrap()
+        Solid::from_face(
+            &TriMesh { vertices, triangles }.into(),
+            PartFeatures::NONE,
+            Precision::Single,
+        )
+        .unwrap()
     }
 
     fn label() -> Label {

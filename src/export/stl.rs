@@ -72,7 +72,7 @@ fn header(label: &Label) -> [u8; HEADER] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{DVec3, Precision};
+    use crate::geom::{DVec3, PartFeatures, Precision};
     use stl_io::{Normal, Triangle, Vertex};
 
     #[test]
@@ -88,9 +88,12 @@ mod tests {
         };
         let vertices = (0..side * side).map(vertex).collect();
         let triangles = (0..(side - 1) * (side - 1)).flat_map(quad).collect();
-        let solid =
-            Solid::from_face(&TriMesh { vertices, triangles }.into(), None, Precision::Single)
-                .unwrap();
+        let solid = Solid::from_face(
+            &TriMesh { vertices, triangles }.into(),
+            PartFeatures::NONE,
+            Precision::Single,
+        )
+        .unwrap();
         let mesh = solid.mesh();
         assert!(mesh.triangles.len() > GROUP);
         let label = Label {

@@ -1,8 +1,8 @@
 //! What a part has around its mirror: a flat rim to clamp it by, holes, marks.
 
-use super::{DVec2, DVec3};
-use crate::num::{cos, sin};
-use std::f64::consts::{FRAC_PI_2, PI};
+use super::circle_polygon::{arc, area, circle, turned};
+use super::{DVec2, DVec3, Hole, HoleMeridian};
+use std::f64::consts::PI;
 
 /// Material around the mirror, in the part frame, mm. Seen from above it lies between the foot of the mirror's
 /// skirt and the contour; its flat top is below the mirror's lowest point, so that a skirt goes all around the mirror.
@@ -13,7 +13,7 @@ pub struct Border {
     /// Z of the flat top, positive.
     pub top_mm: f64,
     /// Through holes, from the base to the flat top.
-    pub holes: Vec<Drilled>,
+    pub holes: Vec<Hole>,
     /// Conical dimples of 90 degrees in the flat top: half as deep as wide.
     pub marks: Vec<Drilled>,
     /// The flat land inside a ring, where holes go through it.
@@ -26,7 +26,7 @@ pub struct Land {
     /// Its Z.
     pub z_mm: f64,
     /// Through holes, from the base to the land; at least one.
-    pub holes: Vec<Drilled>,
+    pub holes: Vec<Hole>,
 }
 
 /// A contour about the axis.
@@ -46,7 +46,7 @@ pub enum Contour {
     },
 }
 
-/// A round feature in the flat top.
+/// A mark in the flat top.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drilled {
     /// X and Y of its centre.
@@ -56,14 +56,11 @@ pub struct Drilled {
 }
 
 impl Border {
-    /// The most by which the chords of a meshed circle cut inside it, mm. The chords' ends lie on
-    /// the circle.
-    pub const CHORD_MM: f64 = 2e-3;
-
     /// Its volume, mm^3, around a part that holds `footprint_mm2` of each horizontal plane below its flat top, in the mean.
     #[must_use]
     pub fn volume(&self, footprint_mm2: f64) -> f64 {
-        let cut = self.cut(|round| PI * round.radius() * round.radius());
+        let marks = self.marks_with(|mark| PI * mark.radius() * mark.radius());
+        let cut = self.through().map(|hole| hole.volume()).sum::<f64>() + marks;
         self.top_mm * (self.contour.area() - footprint_mm2) - cut
     }
 
@@ -71,46 +68,47 @@ impl Border {
     #[must_use]
     pub fn chords_mm3(&self) -> f64 {
         let polygon = area(&self.contour.polygon());
-        let cut = self
-            .cut(|round| PI * round.radius() * round.radius() - area(&round.polygon(DVec2::ZERO)));
+        let marks = self.marks_with(|mark| {
+            PI * mark.radius() * mark.radius() - area(&mark.polygon(DVec2::ZERO))
+        });
+        let cut = self.through().map(|hole| hole.chords_mm3()).sum::<f64>() + marks;
         self.top_mm * (self.contour.area() - polygon) + cut
     }
 
-    /// The volume of all holes and marks, of such areas: a cone's is a third of its depth, which is
-    /// its radius, times its area.
-    fn cut(&self, area: impl Fn(&Drilled) -> f64) -> f64 {
-        let holes: f64 = self.through().map(|(hole, z)| z * area(hole)).sum();
-        holes + self.marks.iter().map(|mark| mark.radius() / 3.0 * area(mark)).sum::<f64>()
+    /// The volume of all marks, of such areas: a cone's is a third of its depth, which is its radius, times its area.
+    fn marks_with(&self, area: impl Fn(&Drilled) -> f64) -> f64 {
+        self.marks.iter().map(|mark| mark.radius() / 3.0 * area(mark)).sum()
     }
 
-    /// All through holes, each with the Z of its upper end: those of the flat top, then those of the
-    /// land.
-    pub fn through(&self) -> impl Iterator<Item = (&Drilled, f64)> {
-        let land = self.land.iter().flat_map(|l| l.holes.iter().map(|hole| (hole, l.z_mm)));
-        self.holes.iter().map(|hole| (hole, self.top_mm)).chain(land)
+    /// The surfaces of all through holes: those of the flat top, then those of the land.
+    pub fn through(&self) -> impl Iterator<Item = HoleMeridian> + '_ {
+        let land = self.land.iter().flat_map(|l| l.holes.iter().map(|hole| hole.meridian(l.z_mm)));
+        self.holes.iter().map(|hole| hole.meridian(self.top_mm)).chain(land)
     }
 
     /// How far `v` is from the border's surfaces, mm: flat top, side, base, holes, marks and a land
-    /// with holes. `beside` is how far outside the mirror's rim it is; under the mirror base and
-    /// holes alone count, and the land if `v` is `over_land`.
+    /// with holes; blind holes open in the base. `beside` is how far outside the mirror's rim it is; under the mirror
+    /// base and holes alone count, and the land if `v` is `over_land`.
     #[must_use]
-    pub fn distance(&self, v: DVec3, beside: f64, over_land: bool) -> f64 {
+    pub fn distance(&self, v: DVec3, beside: f64, over_land: bool, blind: &[HoleMeridian]) -> f64 {
         let p = v.truncate();
         let inset = self.contour.inset(p);
         let off = |across: f64, along: f64| DVec2::new(across, along).length();
         let upright = |across: f64, top: f64| off(across, v.z - v.z.clamp(0.0, top));
-        // How far out of the base and of the flat top, in the plane.
+        // How far out of the base and of the planes above, in the plane.
         let mut off_base = (-inset).max(0.0);
+        let mut off_upper = off_base;
         let mut least = upright(inset, self.top_mm);
-        for (hole, top) in self.through() {
-            let inside = hole.radius() - p.distance(hole.at);
-            off_base = off_base.max(inside);
-            least = least.min(upright(inside, top));
+        for hole in self.through().chain(blind.iter().copied()) {
+            let from_axis = p.distance(hole.axis);
+            off_base = off_base.max(hole.mouth_radius() - from_axis);
+            off_upper = off_upper.max(hole.upper_radius() - from_axis);
+            least = least.min(hole.distance(v));
         }
         if let Some(land) = self.land.as_ref().filter(|_| over_land) {
-            least = least.min(off(off_base, v.z - land.z_mm));
+            least = least.min(off(off_upper, v.z - land.z_mm));
         }
-        let mut off_top = off_base.max(-beside);
+        let mut off_top = off_upper.max(-beside);
         for mark in &self.marks {
             let from_axis = p.distance(mark.at);
             let inside = mark.radius() - from_axis;
@@ -182,42 +180,9 @@ impl Drilled {
     }
 }
 
-/// A quarter of a circle from the X axis to the Y axis, both ends included, in chords that cut
-/// no more than [`Border::CHORD_MM`].
-fn arc(radius: f64) -> Vec<DVec2> {
-    if radius == 0.0 {
-        return vec![DVec2::ZERO];
-    }
-    // 1 - cos(t) <= t^2 / 2 for half a chord's angle t.
-    let chords = (FRAC_PI_2 * f64::sqrt(radius / (8.0 * Border::CHORD_MM))).ceil().max(2.0);
-    let at = |k: usize| {
-        let angle = FRAC_PI_2 * k as f64 / chords;
-        radius * DVec2::new(cos(angle), sin(angle))
-    };
-    let count = chords as usize;
-    let between = (1..count).map(at);
-    [DVec2::new(radius, 0.0)].into_iter().chain(between).chain([DVec2::new(0.0, radius)]).collect()
-}
-
-/// The points after so many quarter turns, to the last bit.
-fn turned(points: &[DVec2], quarters: usize) -> impl Iterator<Item = DVec2> + '_ {
-    points.iter().map(move |&p| (0..quarters).fold(p, |p, _| p.perp()) + DVec2::ZERO)
-}
-
-fn circle(radius: f64) -> Vec<DVec2> {
-    let mut quarter = arc(radius);
-    quarter.pop();
-    (0..4).flat_map(|k| turned(&quarter, k).collect::<Vec<_>>()).collect()
-}
-
-/// The area inside a polygon, mm^2.
-fn area(corners: &[DVec2]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(a, b)| 0.5 * a.perp_dot(*b)).sum()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::CHORD_MM;
     use super::*;
 
     fn contours() -> [Contour; 5] {
@@ -239,28 +204,17 @@ mod tests {
             for (a, b) in corners.iter().zip(next) {
                 assert!(contour.inset(*a).abs() < 1e-14 && a != b, "{contour:?} {a}");
                 let cut = contour.inset(0.5 * (*a + *b));
-                assert!((-1e-14..=Border::CHORD_MM).contains(&cut), "{contour:?}: {cut}");
+                assert!((-1e-14..=CHORD_MM).contains(&cut), "{contour:?}: {cut}");
                 assert!(a.perp_dot(*b) > 0.0);
             }
             let lost = contour.area() - area(&corners);
             let rounded = contour.area() < 100.0 || corners.len() > 4;
-            assert!((-1e-12..60.0 * Border::CHORD_MM).contains(&lost), "{contour:?}: {lost}");
+            assert!((-1e-12..60.0 * CHORD_MM).contains(&lost), "{contour:?}: {lost}");
             assert_eq!(lost > 1e-6, rounded, "{contour:?}: {lost}");
         }
         let Contour::Rect { .. } = contours()[4] else { panic!() };
         assert_eq!(contours()[4].polygon().len(), circle(5.0).len());
         assert_eq!(contours()[1].polygon().len(), 4);
-    }
-
-    #[test]
-    fn chords_are_no_finer_than_needed() {
-        for radius in [0.05, 0.5, 3.0, 40.0, 1e5] {
-            let corners = circle(radius);
-            let cut = radius - (0.5 * (corners[0] + corners[1])).length();
-            assert!(cut <= Border::CHORD_MM, "{radius}: {cut}");
-            assert!(cut > 0.5 * Border::CHORD_MM || corners.len() < 40, "{radius}: {cut}");
-            assert_eq!(corners[corners.len() / 2], DVec2::new(-radius, 0.0));
-        }
     }
 
     /// A plate with everything, by hand.
@@ -270,13 +224,13 @@ mod tests {
         let stock = Border {
             contour: Contour::Rect { half: DVec2::new(20.0, 10.0), corner_mm: 3.0 },
             top_mm: 4.0,
-            holes: vec![drilled(16.0, 0.0, 4.0)],
+            holes: vec![Hole::plain(DVec2::new(16.0, 0.0), 4.0)],
             marks: vec![drilled(-16.0, 2.0, 2.0)],
-            land: Some(Land { z_mm: 6.0, holes: vec![drilled(0.0, 0.0, 2.0)] }),
+            land: Some(Land { z_mm: 6.0, holes: vec![Hole::plain(DVec2::ZERO, 2.0)] }),
         };
         let exact = 4.0 * (800.0 - 9.0 * (4.0 - PI) - 200.0 - 4.0 * PI) - PI / 3.0 - 6.0 * PI;
         assert!((stock.volume(200.0) - exact).abs() < 1e-11);
-        assert!(stock.chords_mm3() > 0.0 && stock.chords_mm3() < 4.0 * 32.0 * Border::CHORD_MM);
+        assert!(stock.chords_mm3() > 0.0 && stock.chords_mm3() < 4.0 * 32.0 * CHORD_MM);
         for (x, y, z, beside, off) in [
             // On the flat top, the base, the side, a hole's wall, a mark's tip and flank.
             (0.0, 8.0, 4.0, 3.0, 0.0),
@@ -297,7 +251,8 @@ mod tests {
             (0.0, 0.5, 6.0, -5.0, 0.5),
             (17.0 + 3.0, 7.0 + 4.0, 2.0, 9.0, 2.0),
         ] {
-            let found = stock.distance(DVec3::new(x, y, z), beside, x.abs().max(y.abs()) < 4.0);
+            let over_land = f64::max(f64::abs(x), f64::abs(y)) < 4.0;
+            let found = stock.distance(DVec3::new(x, y, z), beside, over_land, &[]);
             assert!((found - off).abs() < 1e-13, "({x}, {y}, {z}): {found}, not {off}");
         }
     }

@@ -84,14 +84,14 @@ fn sides(half: DVec2, corner_mm: f64) -> impl Iterator<Item = DatumFeature> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Drilled, Land};
+    use crate::geom::{Hole, Land};
 
     fn words(border: Option<&Border>, walls: Option<Contour>) -> String {
         DatumScheme::new(border, walls).words().join(", ")
     }
 
     fn border(contour: Contour, holes: usize) -> Border {
-        let hole = Drilled { at: DVec2::X, diameter_mm: 3.0 };
+        let hole = Hole::plain(DVec2::X, 3.0);
         Border { contour, top_mm: 2.0, holes: vec![hole; holes], marks: Vec::new(), land: None }
     }
 

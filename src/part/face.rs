@@ -136,7 +136,7 @@ pub(crate) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
     let edges = (forecast.rim - hole).round() as usize;
     // (Steps are few.)
     let rim = Rim { edges, steps: 0, hole_edges: hole.round() as usize };
-    added(rim, design.border.as_ref())
+    added(rim, design.features())
 }
 
 /// What closing adds to faces of a mirror.
@@ -161,8 +161,8 @@ impl ClosureCount for ClosingCount<'_> {
 
     fn counted(&self, face: &Face) -> usize {
         // A rim that cannot be closed is the next stage's to refuse.
-        let stock = self.0.border.as_ref();
-        rim(&face.mesh).map_or(0, |rim| added(rim, stock))
+        let features = self.0.features();
+        rim(&face.mesh).map_or(0, |rim| added(rim, features))
     }
 }
 

@@ -25,7 +25,7 @@ use crate::render::{
     CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
 };
 use crate::report::BuildFigures;
-use crate::results::{BuildReport, Reason, SCHEMA, SharpnessFacts};
+use crate::results::{BuildReport, HoleFacts, Reason, SCHEMA, SharpnessFacts};
 use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
@@ -336,6 +336,7 @@ fn report(
         form,
         mesh,
         solid,
+        holes: HoleFacts::of(design.features()),
         files,
         trace: findings.trace,
         sag,

@@ -174,7 +174,7 @@ fn made_length(
 ) -> Option<u64> {
     let (camera, view) = (&design.camera.chart, design.bounded_view());
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
-    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), codec.precision()).ok()?;
+    let solid = Solid::from_face(&face.mesh, design.features(), codec.precision()).ok()?;
     let mut bytes = ByteCounter::default();
     codec.write(&mut bytes, &solid, Some((&face, design)), label).ok()?;
     Some(bytes.count())

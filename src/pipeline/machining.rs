@@ -220,10 +220,8 @@ fn as_cut(
 }
 
 fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, String), Error> {
-    let solid =
-        Solid::from_face(&mesh.into(), design.border.as_ref(), codec(FORMAT).precision()).map_err(
-            |source| Error::Solid { profile: profile.name.clone(), format: FORMAT, source },
-        )?;
+    let solid = Solid::from_face(&mesh.into(), design.features(), codec(FORMAT).precision())
+        .map_err(|source| Error::Solid { profile: profile.name.clone(), format: FORMAT, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))
 }

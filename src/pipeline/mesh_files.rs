@@ -126,7 +126,7 @@ pub(super) fn close(
     face: &Face,
     format: MeshFormat,
 ) -> Result<(Solid, String), Error> {
-    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), codec(format).precision())
+    let solid = Solid::from_face(&face.mesh, design.features(), codec(format).precision())
         .map_err(|source| Error::Solid { profile: run.profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))

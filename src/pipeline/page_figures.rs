@@ -35,7 +35,7 @@ pub(crate) fn coarse_part(design: &Design) -> Option<Solid> {
 /// The same with the digits of a precision, or why it cannot be closed.
 pub(super) fn coarse_solid(design: &Design, precision: Precision) -> Result<Solid, String> {
     let face = coarse_mesh(&design.mirror).ok_or("the walls between its panels cross")?;
-    let solid = Solid::from_face(&face, design.border.as_ref(), precision);
+    let solid = Solid::from_face(&face, design.features(), precision);
     solid.map_err(|error| error.to_string())
 }
 

@@ -7,7 +7,7 @@ use super::page_figures::coarse_solid;
 use crate::design::Design;
 use crate::drawing::{self, DrawnPart};
 use crate::export::sag_heights;
-use crate::geom::{Border, Contour, DVec2, Drilled, Outline, Precision};
+use crate::geom::{Contour, DVec2, Drilled, NumberedHole, Outline, Precision};
 use crate::inspection::{least_margin_mm, plan_points, rims};
 use crate::mirror::{Form, Mirror};
 use crate::num::rounding::{ceil_125, two_digits_below};
@@ -84,7 +84,7 @@ fn facts(profile: &Profile, design: &Design, form: &Form, inspected: usize) -> D
         is_round,
         rim_mm: border.map(|border| border.top_mm),
         corner_radius_mm: corner.filter(|radius| *radius > 0.0),
-        features: border.map_or(Vec::new(), features),
+        features: features(design),
         sphere_radius_mm: form.sphere.radius_of_curvature_mm,
         sphere_departure_mm: form.sphere.departure.pv_mm,
         pmi: pmi_facts(design, study.as_ref().and_then(FormStudy::limit).as_ref()),
@@ -103,27 +103,27 @@ fn mirror_size(mirror: &Mirror) -> DVec2 {
     high - low
 }
 
-/// Holes, those of the land in the middle first, and marks, with their numbers.
-fn features(border: &Border) -> Vec<DrawnFeature> {
-    let feature = |name: String, round: &Drilled, what: String| DrawnFeature {
-        name,
-        at_mm: round.at.to_array(),
-        diameter_mm: round.diameter_mm,
-        what,
+/// Holes and marks, with their numbers.
+fn features(design: &Design) -> Vec<DrawnFeature> {
+    let hole = |hole: NumberedHole| {
+        let (diameter_mm, words) = (hole.hole.diameter_mm, hole.words());
+        // (The diameter has a column of its own.)
+        let plain = words.strip_prefix("diameter ").and_then(|rest| rest.split_once(", "));
+        let what = plain.map_or_else(|| words.clone(), |(_, rest)| rest.to_owned());
+        let (name, at_mm) = (format!("H{}", hole.number), hole.at().to_array());
+        DrawnFeature { name, at_mm, diameter_mm, what }
     };
-    let inside = border.land.iter().flat_map(|land| &land.holes);
-    let holes = inside.chain(&border.holes).enumerate();
-    let marks = border.marks.iter().enumerate();
-    holes
-        .map(|(k, hole)| feature(format!("H{}", k + 1), hole, "through".to_owned()))
-        .chain(marks.map(|(k, mark)| {
-            let what = format!("dimple 90\u{b0} x {}", mark.radius());
-            feature(format!("M{}", k + 1), mark, what)
-        }))
-        .collect()
+    let mark = |(k, mark): (usize, &Drilled)| DrawnFeature {
+        name: format!("M{}", k + 1),
+        at_mm: mark.at.to_array(),
+        diameter_mm: mark.diameter_mm,
+        what: format!("dimple 90\u{b0} x {}", mark.radius()),
+    };
+    let marks = design.border.iter().flat_map(|border| border.marks.iter());
+    design.features().holes().map(hole).chain(marks.enumerate().map(mark)).collect()
 }
 
-/// Circles in the plan of the part.
+/// Circles in the plan of the part, seen or hidden.
 fn circles(design: &Design) -> Vec<(DVec2, f64)> {
     let mirror = &design.mirror;
     let mut circles = Vec::new();
@@ -137,8 +137,13 @@ fn circles(design: &Design) -> Vec<(DVec2, f64)> {
         if let Contour::Circle { radius_mm } = border.contour {
             circles.push((DVec2::ZERO, radius_mm));
         }
-        let round = border.through().map(|(hole, _)| hole).chain(&border.marks);
-        circles.extend(round.map(|round| (round.at, round.radius())));
+        circles.extend(border.marks.iter().map(|mark| (mark.at, mark.radius())));
+    }
+    for hole in design.features().holes() {
+        let mut radii: Vec<f64> = hole.meridian.points().iter().map(|point| point.x).collect();
+        radii.sort_by(f64::total_cmp);
+        radii.dedup();
+        circles.extend(radii.into_iter().filter(|r| *r > 0.0).map(|radius| (hole.at(), radius)));
     }
     circles
 }

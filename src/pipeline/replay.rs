@@ -150,7 +150,7 @@ impl<'a> ImperfectPart<'a> {
     /// The closed part in the digits of a format, and how many triangles it has.
     fn solid(&self, face: &FaceMesh, format: MeshFormat) -> Result<(Solid, String), Error> {
         let name = || self.profile.name.clone();
-        let solid = Solid::from_face(face, self.design.border.as_ref(), Precision::Double)
+        let solid = Solid::from_face(face, self.design.features(), Precision::Double)
             .and_then(|solid| {
                 solid.grown(self.engine.growth(&self.made), codec(format).precision())
             })

@@ -90,7 +90,7 @@ impl Face {
     /// # Errors
     /// [`SolidError`] when the check finds a fault of the body.
     pub fn close(&self, design: &Design) -> Result<Solid, SolidError> {
-        Solid::from_face(&self.mesh, design.border.as_ref(), self.precision)
+        Solid::from_face(&self.mesh, design.features(), self.precision)
     }
 }
 

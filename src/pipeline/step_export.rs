@@ -102,7 +102,7 @@ impl CadExport for StepExport<'_> {
     }
 
     fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
-        write_step(&mut out, &self.fit, self.design.border.as_ref(), &self.schema, label)
+        write_step(&mut out, &self.fit, self.design.features(), &self.schema, label)
     }
 
     fn bytes(&self, label: &Label) -> u64 {

@@ -1,6 +1,6 @@
 //! The flat rim around a mirror, and what is drilled into it.
 
-use crate::geom::{Contour, Drilled, Outline};
+use crate::geom::{Contour, DVec2, Drilled, Outline};
 
 /// A flat rim around the mirror, below it.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub enum BorderFeature {
     Hole(usize),
     /// A mark, by its place in the list.
     Mark(usize),
+    /// A hole of a table of its own, by its place among those.
+    Drilling(usize),
 }
 
 /// A feature of a border that does not fit around a mirror, and what to do about it.
@@ -100,7 +102,7 @@ impl BorderSpec {
     }
 
     /// The conflict of a hole or mark with the mirror, with the part's side, or with those `before` it.
-    fn misplaced(
+    pub(super) fn misplaced(
         &self,
         mirror: &Outline,
         before: &[(BorderFeature, &Drilled)],
@@ -122,11 +124,7 @@ impl BorderSpec {
                 conflict("the part's side", side.inset(spot.at) - spot.radius(), hint)
             })
             .or_else(|| {
-                before.iter().find_map(|(other, there)| {
-                    let gap = spot.at.distance(there.at) - spot.radius() - there.radius();
-                    let other = format!("the {} {}", other.name(), spot_text(there));
-                    conflict(&other, gap, "move one of them or make it smaller".to_owned())
-                })
+                before.iter().find_map(|(other, there)| overlap((feature, spot), (*other, there)))
             })
     }
 
@@ -139,7 +137,7 @@ impl BorderSpec {
     ) -> (f64, String) {
         match mirror {
             Outline::Ring { inner, .. }
-                if matches!(feature, BorderFeature::Hole(_)) && is_in_land(mirror, spot) =>
+                if !matches!(feature, BorderFeature::Mark(_)) && is_in_land(mirror, spot.at) =>
             {
                 let hint = format!(
                     "the land inside the mirror reaches {inner:.3} mm from the axis; make the hole \
@@ -162,30 +160,50 @@ impl BorderSpec {
 
 impl BorderFeature {
     /// Its name in a complaint.
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Corners => "corners",
-            Self::Hole(_) => "hole",
+            Self::Hole(_) | Self::Drilling(_) => "hole",
             Self::Mark(_) => "mark",
+        }
+    }
+
+    /// The key that says where it is.
+    fn key(self) -> &'static str {
+        match self {
+            Self::Corners => "part.corner_radius_mm",
+            Self::Hole(_) => "part.holes_mm",
+            Self::Mark(_) => "part.marks_mm",
+            Self::Drilling(_) => "hole.at_mm",
         }
     }
 }
 
 /// Whether the centre of a hole is in the land inside a mirror with this outline.
-pub fn is_in_land(mirror: &Outline, hole: &Drilled) -> bool {
-    matches!(mirror, Outline::Ring { inner, .. } if hole.at.length() < *inner)
+pub fn is_in_land(mirror: &Outline, at: DVec2) -> bool {
+    matches!(mirror, Outline::Ring { inner, .. } if at.length() < *inner)
+}
+
+/// The conflict of a feature with another one.
+pub(super) fn overlap(
+    (feature, spot): (BorderFeature, &Drilled),
+    (other, there): (BorderFeature, &Drilled),
+) -> Option<BorderConflict> {
+    let gap = spot.at.distance(there.at) - spot.radius() - there.radius();
+    let other = format!("the {} {}", other.name(), spot_text(there));
+    let hint = "move one of them or make it smaller".to_owned();
+    is_tight(gap).then(|| too_close(feature, spot, &other, gap, hint))
 }
 
 /// The conflict of a feature that leaves `gap` mm to what it must stay clear `of`.
-fn too_close(
+pub(super) fn too_close(
     feature: BorderFeature,
     spot: &Drilled,
     of: &str,
     gap: f64,
     hint: String,
 ) -> BorderConflict {
-    let key =
-        if matches!(feature, BorderFeature::Hole(_)) { "part.holes_mm" } else { "part.marks_mm" };
+    let key = feature.key();
     let found = if gap < 0.0 {
         format!("cuts {:.3} mm into it", -gap)
     } else {
@@ -200,12 +218,12 @@ fn too_close(
 }
 
 /// Whether a gap is smaller than the clearance by more than rounding.
-fn is_tight(gap: f64) -> bool {
+pub(super) fn is_tight(gap: f64) -> bool {
     !(gap >= BorderSpec::CLEAR_MM - BorderSpec::ROUNDING_MM)
 }
 
 /// The outer rim of a mirror about the axis.
-fn rim(mirror: &Outline) -> Contour {
+pub(super) fn rim(mirror: &Outline) -> Contour {
     match *mirror {
         Outline::Rect(rect) => Contour::Rect { half: rect.max, corner_mm: 0.0 },
         Outline::Ring { outer, .. } => Contour::Circle { radius_mm: outer },
@@ -218,7 +236,7 @@ fn spot_text(spot: &Drilled) -> String {
 }
 
 /// The extent of a contour in words.
-fn extent_text(contour: &Contour) -> String {
+pub(super) fn extent_text(contour: &Contour) -> String {
     match contour {
         Contour::Rect { half, .. } => format!("X = +-{:.3} and Y = +-{:.3} mm", half.x, half.y),
         Contour::Circle { radius_mm } => format!("{radius_mm:.3} mm from the axis"),
@@ -228,7 +246,7 @@ fn extent_text(contour: &Contour) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{DVec2, Rect};
+    use crate::geom::Rect;
 
     fn border(corner_radius_mm: f64, holes: &[[f64; 3]], marks: &[[f64; 3]]) -> BorderSpec {
         let spots = |list: &[[f64; 3]]| {

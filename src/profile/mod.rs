@@ -11,6 +11,7 @@ mod check;
 mod complaint;
 mod drawing;
 mod format;
+mod hole;
 mod lines;
 mod mesh_goal;
 mod obstacle;
@@ -38,6 +39,7 @@ pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use drawing::{DrawingSpec, PaperSize, TitleBlock, ViewArrangement};
 pub use format::{CadFormat, FileFormat, MeshFormat, StepProtocol};
+pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
 pub use projection::{
@@ -225,6 +227,8 @@ pub struct PartSpec {
     pub base_mm: f64,
     /// A flat rim around the mirror.
     pub border: Option<BorderSpec>,
+    /// Holes with a table of their own, in the profile's order.
+    pub holes: Vec<HoleSpec>,
 }
 
 /// Sampling of the mirror by the sag table; without a pitch or a step that one is 1/200 of the part's

@@ -226,12 +226,15 @@ impl<'a> ProfileReader<'a> {
                 continue;
             }
             let hint = match (schema::home(word), schema::nearest(word, known)) {
-                (Some(home), _) => format!("{word} belongs in [{home}]"),
+                // (A table without keys has a note that says where to look.)
+                (Some(home), _) if hint.is_empty() || !known.is_empty() => {
+                    format!("{word} belongs in [{home}]")
+                }
                 (None, Some(meant)) => {
                     misspelt.push(meant);
                     format!("did you mean {meant}?")
                 }
-                (None, None) => hint.to_owned(),
+                _ => hint.to_owned(),
             };
             let holder = match path.as_str() {
                 "" => "the profile",

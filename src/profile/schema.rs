@@ -53,6 +53,11 @@ const RARE: &[&str] = &[
     "corner_radius_mm",
     "holes_mm",
     "marks_mm",
+    "thread_depth_mm",
+    "bottom",
+    "counterbore_diameter_mm",
+    "counterbore_depth_mm",
+    "chamfer_mm",
     "sag",
     "step",
     "drawing",
@@ -75,6 +80,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "panel",
             "target",
             "obstacle",
+            "hole",
             "layout",
             "method",
             "mirror",
@@ -250,11 +256,27 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
     ("obstacle.cylinder", &["from_mm", "to_mm", "radius_mm", "solid"]),
     ("obstacle.tube", &["from_mm", "to_mm", "inner_radius_mm", "outer_radius_mm"]),
     ("obstacle.stl", &["file"]),
+    (
+        "hole",
+        &[
+            "at_mm",
+            "diameter_mm",
+            "thread",
+            "screw",
+            "dowel_mm",
+            "depth_mm",
+            "thread_depth_mm",
+            "bottom",
+            "counterbore_diameter_mm",
+            "counterbore_depth_mm",
+            "chamfer_mm",
+        ],
+    ),
 ];
 
 /// Tables of which a profile may have several, each written `[[path]]`.
 #[cfg(feature = "studio")]
-pub(crate) const LISTS: &[&str] = &["obstacle", "panel"];
+pub(crate) const LISTS: &[&str] = &["hole", "obstacle", "panel"];
 
 /// The keys of a table; none for a path that is no table.
 pub(super) fn keys(path: &str) -> &'static [&'static str] {

@@ -100,7 +100,7 @@ mod tests {
             let design = crate::design::design_unmeasured(&profile).unwrap();
             let mesh = coarse_mesh(&design.mirror).unwrap();
             assert!((3_000..20_000).contains(&mesh.triangles.len()), "{}", shipped.name);
-            let solid = Solid::from_face(&mesh, design.border.as_ref(), Precision::Single).unwrap();
+            let solid = Solid::from_face(&mesh, design.features(), Precision::Single).unwrap();
             let (found, expected) = (solid.check().volume_mm3, design.volume());
             assert!((found / expected - 1.0).abs() < 5e-3, "{}: {found} {expected}", shipped.name);
         }

@@ -4,8 +4,8 @@ use super::Reason;
 use super::SharpnessFacts;
 use super::{AlignmentFacts, UnitFacts};
 use super::{
-    DrawingFacts, FileFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts, StepFacts,
-    TraceFacts, Verdict,
+    DrawingFacts, FileFacts, HoleFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts,
+    StepFacts, TraceFacts, Verdict,
 };
 use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
@@ -40,6 +40,9 @@ pub struct BuildReport {
     /// The solid that was made; absent where there is no mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solid: Option<SolidFacts>,
+    /// The part's holes; absent where it has none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<HoleFacts>,
     /// The files written.
     pub files: Vec<FileFacts>,
     /// Figures of the witness, for each mesh file that could be read.

@@ -9,6 +9,7 @@ mod drawing;
 mod facts;
 mod faults;
 mod frame;
+mod holes;
 mod inspection;
 mod machining;
 mod measured;
@@ -38,6 +39,7 @@ pub use faults::{
     ShapeFault,
 };
 pub use frame::{FrameReport, PixelSolidAngle, RoundMirror};
+pub use holes::HoleFacts;
 pub use inspection::{FormTermFacts, InspectionReport, MeasuredForm};
 pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,

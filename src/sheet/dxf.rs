@@ -6,9 +6,10 @@ use super::{Dashes, Pen, Sheet, SheetColour, SheetMark, TextAlign, TextLine, Tex
 use std::io::Write;
 
 /// Layers with their colours (AutoCAD's index: 7 is black on white) and types of lines.
-const LAYERS: [(&str, i32, &str); 6] = [
+const LAYERS: [(&str, i32, &str); 7] = [
     ("OUTLINE", 7, "CONTINUOUS"),
     ("THIN", 8, "CONTINUOUS"),
+    ("HIDDEN", 3, "HIDDEN"),
     ("AXIS", 5, "CENTER"),
     ("TEXT", 7, "CONTINUOUS"),
     ("FILLED", 7, "CONTINUOUS"),
@@ -16,7 +17,8 @@ const LAYERS: [(&str, i32, &str); 6] = [
 ];
 /// Width from which a line is an outline, mm.
 const WIDE_MM: f64 = 0.35;
-/// Dashes and gaps of an axis on the sheet, mm; gaps are negative.
+/// Dashes and gaps of a hidden edge and of an axis on the sheet, mm; gaps are negative.
+const DASHED_MM: [f64; 2] = [3.0, -1.0];
 const CHAIN_MM: [f64; 4] = [6.0, -1.0, 0.5, -1.0];
 
 pub(super) fn written(sheet: &Sheet, scale: f64) -> Vec<u8> {
@@ -75,8 +77,9 @@ impl GroupWriter {
     fn tables(&mut self) {
         self.group(0, "SECTION");
         self.group(2, "TABLES");
-        self.table("LTYPE", 2);
+        self.table("LTYPE", 3);
         self.line_type("CONTINUOUS", "Solid line", &[]);
+        self.line_type("HIDDEN", "Hidden __ __ __", &DASHED_MM);
         self.line_type("CENTER", "Axis ____ _ ____ _", &CHAIN_MM);
         self.group(0, "ENDTAB");
         self.table("LAYER", LAYERS.len());
@@ -204,6 +207,7 @@ impl GroupWriter {
 fn layer(pen: &Pen) -> &'static str {
     match (pen.dashes, pen.colour) {
         (Dashes::Chain, _) => "AXIS",
+        (Dashes::Dashed, _) => "HIDDEN",
         (Dashes::Continuous, SheetColour::Grey) => "BEHIND",
         (Dashes::Continuous, _) if pen.width_mm >= WIDE_MM => "OUTLINE",
         (Dashes::Continuous, _) => "THIN",
@@ -218,7 +222,10 @@ mod tests {
     fn a_sheet_is_lines_of_groups_at_the_asked_scale() {
         let mut sheet = Sheet::new([100.0, 50.0]);
         sheet.strokes(vec![[1.0, 2.0], [3.0, 4.0]], Pen::black(0.5));
-        sheet.strokes(vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], Pen::chain(0.25));
+        sheet.strokes(
+            vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
+            Pen::broken(0.25, Dashes::Chain),
+        );
         sheet.text([5.0, 6.0], 2.5, "\u{d8}3 \u{b1}0.1", TextAlign::Right);
         let bytes = sheet.dxf(2.0);
         assert_eq!(bytes, sheet.dxf(2.0));

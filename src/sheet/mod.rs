@@ -32,6 +32,8 @@ pub enum SheetColour {
 pub enum Dashes {
     /// Not at all.
     Continuous,
+    /// Dashes: a hidden edge.
+    Dashed,
     /// Long dashes and dots: an axis.
     Chain,
 }
@@ -60,10 +62,10 @@ impl Pen {
         Self { colour, ..self }
     }
 
-    /// An axis.
+    /// A black line that is broken.
     #[must_use]
-    pub const fn chain(width_mm: f64) -> Self {
-        Self { dashes: Dashes::Chain, ..Self::black(width_mm) }
+    pub const fn broken(width_mm: f64, dashes: Dashes) -> Self {
+        Self { dashes, ..Self::black(width_mm) }
     }
 }
 

@@ -9,7 +9,8 @@ use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 const POINTS: f64 = 72.0 / 25.4;
 /// Distance of a circle's control points from the ends of a quarter, in its radius: off by 0.03 % at most.
 const QUARTER: f64 = 0.552_284_749_830_793;
-/// Dashes and gaps of an axis, in the line's width (ISO 128-2).
+/// Dashes and gaps of a hidden edge and of an axis, in the line's width (ISO 128-2).
+const DASHED: [f64; 2] = [12.0, 3.0];
 const CHAIN: [f64; 4] = [24.0, 3.0, 0.5, 3.0];
 /// The font's name in the page and in itself; six letters before it tell that it is a part of a font.
 const FONT: Name = Name(b"F1");
@@ -111,6 +112,7 @@ fn take(content: &mut Content, pen: &Pen) {
     content.set_stroke_rgb(r, g, b).set_line_width(points(pen.width_mm));
     let dashes: &[f64] = match pen.dashes {
         Dashes::Continuous => &[],
+        Dashes::Dashed => &DASHED,
         Dashes::Chain => &CHAIN,
     };
     content.set_dash_pattern(dashes.iter().map(|share| points(share * pen.width_mm)), 0.0);

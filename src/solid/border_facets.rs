@@ -1,12 +1,59 @@
-//! The stock around a face: its flat top, side and base, with marks and through holes.
+//! The material around and below a face: flat top, side and base, with marks and holes.
 
 use super::{SolidError, add_polygon, rounded, sides, wall};
 use crate::geom::{
-    Border, DVec2, Drilled, Land, Precision, TriMesh, TriangulationFault, triangulate_loops,
+    BlindHole, Border, DVec2, Hole, HoleMeridian, Land, PartFeatures, Precision, TriMesh,
+    TriangulationFault, triangulate_loops,
 };
 
-/// A hole's loops at its upper end and in the base, counter-clockwise from above.
-type HoleLoops = [Vec<u32>; 2];
+/// A hole's surface as loops, each counter-clockwise from above, from the upper one to that in the base; a blind hole
+/// has a point above them.
+pub(super) struct HoleLoops {
+    point: Option<u32>,
+    loops: Vec<Vec<u32>>,
+}
+
+impl HoleLoops {
+    /// New vertices on the circles of a hole.
+    fn new(mesh: &mut TriMesh, hole: &HoleMeridian) -> Self {
+        let mut found = Self { point: None, loops: Vec::new() };
+        for ring in hole.points().iter().rev() {
+            if ring.x == 0.0 {
+                found.point = add_polygon(mesh, &[hole.axis], ring.y).pop();
+            } else {
+                found.loops.push(add_polygon(mesh, &hole.polygon(ring.x), ring.y));
+            }
+        }
+        found
+    }
+
+    /// The loop in the plane above.
+    fn upper(&self) -> &[u32] {
+        &self.loops[0]
+    }
+
+    /// The loop in the base.
+    fn lower(&self) -> &[u32] {
+        &self.loops[self.loops.len() - 1]
+    }
+
+    /// Adds the facets between the loops and up to the point.
+    fn close(&self, mesh: &mut TriMesh) {
+        if let Some(point) = self.point {
+            mesh.triangles.extend(sides(self.upper()).map(|[v, next]| [next, v, point]));
+        }
+        let turned = |rim: &[u32]| rim.iter().rev().copied().collect::<Vec<_>>();
+        for pair in self.loops.windows(2) {
+            wall(mesh, &turned(&pair[0]), &turned(&pair[1]));
+        }
+    }
+}
+
+/// How many facets [`HoleLoops::close`] adds.
+fn hole_facets(hole: &HoleMeridian) -> usize {
+    let (pieces, corners) = (hole.points().len() - 1, hole.corners());
+    if hole.is_blind() { (2 * pieces - 1) * corners } else { 2 * pieces * corners }
+}
 
 /// The flat land within the loop `hole`, around its own holes, which are open below.
 ///
@@ -18,79 +65,107 @@ pub(super) fn land(
     land: &Land,
     precision: Precision,
 ) -> Result<Vec<HoleLoops>, SolidError> {
-    let bores = hole_loops(mesh, &land.holes, land.z_mm);
-    let inner: Vec<&[u32]> = bores.iter().map(|bore| &bore[0][..]).collect();
+    let bores = through(mesh, &land.holes, land.z_mm);
+    let inner: Vec<&[u32]> = bores.iter().map(HoleLoops::upper).collect();
     let flat = triangulate_between(mesh, hole, &inner, precision)?;
     mesh.triangles.extend(flat);
     Ok(bores)
 }
 
-/// Closes what is open at `feet`, the loop of the face's skirt on the stock's flat top, and at the
-/// holes of the land. Circles become polygons with their corners on them, of chords within
-/// [`Border::CHORD_MM`].
+/// Closes what is open at `feet`, the loop of the face's skirt on the flat top of `border`, and at the
+/// holes of the land; blind holes open in the base. Circles become polygons with their corners on them, of chords
+/// within [`crate::geom::CHORD_MM`].
 ///
 /// # Errors
 /// [`SolidError::BorderTriangulation`] when loops touch each other.
 pub(super) fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
-    stock: &Border,
-    of_land: Vec<HoleLoops>,
+    border: &Border,
+    (of_land, blind): (Vec<HoleLoops>, &[BlindHole]),
     precision: Precision,
 ) -> Result<(), SolidError> {
-    let top = stock.top_mm;
-    let side = loop_pair(mesh, &stock.contour.polygon(), top);
-    let mut holes = hole_loops(mesh, &stock.holes, top);
+    let top = border.top_mm;
+    let polygon = border.contour.polygon();
+    let side = [top, 0.0].map(|z| add_polygon(mesh, &polygon, z));
+    let mut holes = through(mesh, &border.holes, top);
     let marks: Vec<Vec<u32>> =
-        stock.marks.iter().map(|mark| add_polygon(mesh, &mark.polygon(mark.at), top)).collect();
+        border.marks.iter().map(|mark| add_polygon(mesh, &mark.polygon(mark.at), top)).collect();
 
-    let upper = holes.iter().map(|hole| &hole[0][..]);
+    let upper = holes.iter().map(HoleLoops::upper);
     let inner: Vec<&[u32]> =
         std::iter::once(feet).chain(upper).chain(marks.iter().map(Vec::as_slice)).collect();
     let flat = triangulate_between(mesh, &side[0], &inner, precision)?;
     mesh.triangles.extend(flat);
-    for (mark, rim) in stock.marks.iter().zip(&marks) {
+    for (mark, rim) in border.marks.iter().zip(&marks) {
         let tip = add_polygon(mesh, &[mark.at], top - mark.radius())[0];
         mesh.triangles.extend(sides(rim).map(|[v, next]| [v, next, tip]));
     }
     holes.extend(of_land);
-    for [upper, lower] in &holes {
-        let turned = |rim: &[u32]| rim.iter().rev().copied().collect::<Vec<_>>();
-        wall(mesh, &turned(upper), &turned(lower));
-    }
+    holes.extend(blind.iter().map(|blind| HoleLoops::new(mesh, &blind.meridian())));
+    holes.iter().for_each(|hole| hole.close(mesh));
     wall(mesh, &side[0], &side[1]);
-    let lower: Vec<&[u32]> = holes.iter().map(|hole| &hole[1][..]).collect();
-    let base = triangulate_between(mesh, &side[1], &lower, precision)?;
+    base(mesh, &side[1], &holes, precision)
+}
+
+/// Closes what is open at `feet`, the loop of the face's skirt on the base, around blind holes; at least one.
+///
+/// # Errors
+/// [`SolidError::BorderTriangulation`] when loops touch each other.
+pub(super) fn drill(
+    mesh: &mut TriMesh,
+    feet: &[u32],
+    blind: &[BlindHole],
+    precision: Precision,
+) -> Result<(), SolidError> {
+    let holes: Vec<HoleLoops> =
+        blind.iter().map(|blind| HoleLoops::new(mesh, &blind.meridian())).collect();
+    holes.iter().for_each(|hole| hole.close(mesh));
+    base(mesh, feet, &holes, precision)
+}
+
+/// Adds the base within the loop `outer`, around the mouths of holes.
+fn base(
+    mesh: &mut TriMesh,
+    outer: &[u32],
+    holes: &[HoleLoops],
+    precision: Precision,
+) -> Result<(), SolidError> {
+    let lower: Vec<&[u32]> = holes.iter().map(HoleLoops::lower).collect();
+    let base = triangulate_between(mesh, outer, &lower, precision)?;
     mesh.triangles.extend(base.into_iter().map(|[a, b, c]| [a, c, b]));
     Ok(())
 }
 
-/// How many facets [`close`] and [`land`] add, but for the one at each of the feet and at each edge
+/// How many facets [`close`], [`land`] and [`drill`] add, but for the one at each of the feet and at each edge
 /// of the land.
-pub(super) fn added_facets(stock: &Border) -> usize {
-    let corners = |list: &[Drilled]| -> usize {
-        list.iter().map(|round| round.polygon(DVec2::ZERO).len()).sum()
+pub(super) fn added_facets(features: PartFeatures) -> usize {
+    // A polygon of n corners in all and h holes takes n + 2 h - 2 triangles, a fan about its middle n.
+    let mouths =
+        |holes: &[HoleMeridian]| -> usize { holes.iter().map(|hole| hole.corners() + 2).sum() };
+    let walls = |holes: &[HoleMeridian]| -> usize { holes.iter().map(hole_facets).sum() };
+    let blind: Vec<HoleMeridian> = features.blind_holes.iter().map(BlindHole::meridian).collect();
+    let Some(border) = features.border else {
+        return if blind.is_empty() { 0 } else { mouths(&blind) + walls(&blind) - 2 };
     };
-    let (side, holes, marks) =
-        (stock.contour.polygon().len(), corners(&stock.holes), corners(&stock.marks));
-    // A polygon of n corners in all and h holes takes n + 2 h - 2 triangles.
-    let flat = side + holes + marks + 2 * (stock.holes.len() + stock.marks.len());
-    let base = side + holes + 2 * stock.holes.len() - 2;
-    let land = stock.land.as_ref().map_or(0, |land| {
-        let (corners, count) = (corners(&land.holes), land.holes.len());
+    let meridians = |holes: &[Hole], top: f64| -> Vec<HoleMeridian> {
+        holes.iter().map(|hole| hole.meridian(top)).collect()
+    };
+    let holes = meridians(&border.holes, border.top_mm);
+    let side = border.contour.polygon().len();
+    let marks: usize = border.marks.iter().map(|mark| mark.polygon(DVec2::ZERO).len()).sum();
+    let flat = side + mouths(&holes) + marks + 2 * border.marks.len();
+    let base = side + mouths(&holes) + mouths(&blind) - 2;
+    let land = border.land.as_ref().map_or(0, |land| {
+        let holes = meridians(&land.holes, land.z_mm);
         // In the land, in the base and the walls between them.
-        (corners + 2 * count - 2) + (corners + 2 * count) + 2 * corners
+        2 * mouths(&holes) - 2 + walls(&holes)
     });
-    flat + base + marks + 2 * holes + 2 * side + land
+    flat + base + marks + walls(&holes) + walls(&blind) + 2 * side + land
 }
 
-fn hole_loops(mesh: &mut TriMesh, holes: &[Drilled], top: f64) -> Vec<HoleLoops> {
-    holes.iter().map(|hole| loop_pair(mesh, &hole.polygon(hole.at), top)).collect()
-}
-
-/// The polygon at the height of the top and in the base.
-fn loop_pair(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> HoleLoops {
-    [top, 0.0].map(|z| add_polygon(mesh, polygon, z))
+fn through(mesh: &mut TriMesh, holes: &[Hole], top: f64) -> Vec<HoleLoops> {
+    holes.iter().map(|hole| HoleLoops::new(mesh, &hole.meridian(top))).collect()
 }
 
 /// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
@@ -116,7 +191,8 @@ fn triangulate_between(
 mod tests {
     use super::super::{Solid, added, rim, tests};
     use super::*;
-    use crate::geom::Contour;
+    use crate::geom::{Contour, Counterbore, Drilled, HoleBottom, HoleKind};
+    use std::f64::consts::PI;
 
     /// A plate 6 by 6 by 1 around the square face 2 by 2 at height 2.
     fn plate(holes: &[[f64; 3]], marks: &[[f64; 3]]) -> Border {
@@ -125,11 +201,12 @@ mod tests {
             list.iter().map(one).collect()
         };
         let contour = Contour::Rect { half: DVec2::splat(3.0), corner_mm: 0.0 };
-        Border { contour, top_mm: 1.0, holes: drilled(holes), marks: drilled(marks), land: None }
+        let holes = holes.iter().map(|&[x, y, d]| Hole::plain(DVec2::new(x, y), d)).collect();
+        Border { contour, top_mm: 1.0, holes, marks: drilled(marks), land: None }
     }
 
     fn closed(stock: &Border, precision: Precision) -> Result<Solid, SolidError> {
-        Solid::from_face(&tests::face(), Some(stock), precision)
+        Solid::from_face(&tests::face(), PartFeatures::bordered(Some(stock)), precision)
     }
 
     #[test]
@@ -146,7 +223,10 @@ mod tests {
             let solid = closed(&stock, Precision::Single).unwrap();
             assert_eq!(solid.check().euler, 2 - 2 * holes.len() as i64);
             let around = rim(&tests::face()).unwrap();
-            assert_eq!(solid.mesh().triangles.len(), 2 + added(around, Some(&stock)));
+            assert_eq!(
+                solid.mesh().triangles.len(),
+                2 + added(around, PartFeatures::bordered(Some(&stock)))
+            );
             let off = solid.check().volume_mm3 - (stock.volume(4.0) + 8.0);
             assert!(off.abs() <= stock.chords_mm3() + 1e-6 && off.abs() > 1e-5, "{off}");
         }
@@ -180,5 +260,58 @@ mod tests {
         let high = Border { top_mm: 2.0, ..plate(&[], &[]) };
         let sunk = SolidError::BelowBorder { lowest_mm: 2.0, top_mm: 2.0 };
         assert_eq!(closed(&high, Precision::Double).unwrap_err(), sunk);
+    }
+    /// Every kind of hole, in a plate and below a bare face, by the closed forms of its cylinders and cones.
+    #[test]
+    fn holes_of_every_kind_are_closed_and_as_large_as_their_closed_forms() {
+        let hole = |x: f64, y: f64, counterbore, chamfer_mm| Hole {
+            at: DVec2::new(x, y),
+            diameter_mm: 0.5,
+            kind: HoleKind::Plain,
+            counterbore,
+            chamfer_mm,
+        };
+        let wide = Some(Counterbore { diameter_mm: 0.8, depth_mm: 0.3 });
+        let blind = |hole, bottom| BlindHole { hole, depth_mm: 0.6, bottom };
+        let blind_holes = [
+            blind(hole(0.0, 0.0, None, 0.0), HoleBottom::DrillPoint),
+            blind(hole(0.5, -0.5, wide, 0.05), HoleBottom::DrillPoint),
+            blind(hole(-0.4, 0.4, None, 0.1), HoleBottom::Flat),
+        ];
+        let mut plate = plate(&[], &[[-2.0, 0.0, 0.3]]);
+        plate.holes = vec![hole(2.0, 0.0, wide, 0.1), hole(2.0, 2.0, None, 0.0)];
+        for (border, body) in [(None, 8.0), (Some(&plate), 40.0 - PI * 0.15 * 0.15 * 0.05)] {
+            let features = PartFeatures { border, blind_holes: &blind_holes };
+            for precision in [Precision::Single, Precision::Double] {
+                let solid = Solid::from_face(&tests::face(), features, precision).unwrap();
+                let through = features.through();
+                assert_eq!(
+                    (through, solid.check().euler),
+                    match border {
+                        None => (0, 2),
+                        Some(_) => (2, -2),
+                    }
+                );
+                let around = rim(&tests::face()).unwrap();
+                assert_eq!(solid.mesh().triangles.len(), 2 + added(around, features));
+                let cut: f64 = features.holes().map(|hole| hole.meridian.volume()).sum();
+                let off = solid.check().volume_mm3 - (body - cut);
+                assert!(off > 1e-5 && off <= features.chords_mm3() + 1e-6, "{off}");
+            }
+        }
+    }
+
+    #[test]
+    fn blind_holes_that_touch_are_refused() {
+        let hole = |x: f64| BlindHole {
+            hole: Hole::plain(DVec2::new(x, 0.0), 0.5),
+            depth_mm: 0.6,
+            bottom: HoleBottom::DrillPoint,
+        };
+        for blind in [[hole(0.0), hole(0.4)], [hole(0.9), hole(0.0)]] {
+            let features = PartFeatures { border: None, blind_holes: &blind };
+            let found = Solid::from_face(&tests::face(), features, Precision::Double);
+            assert!(matches!(found, Err(SolidError::BorderTriangulation { .. })), "{found:?}");
+        }
     }
 }

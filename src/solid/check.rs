@@ -319,12 +319,11 @@ fn volume(mesh: &TriMesh) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::DVec3;
-    use crate::geom::Precision;
+    use crate::geom::{DVec3, PartFeatures, Precision};
     use crate::solid::Solid;
 
     fn cube() -> TriMesh {
-        Solid::from_face(&crate::solid::tests::face(), None, Precision::Double)
+        Solid::from_face(&crate::solid::tests::face(), PartFeatures::NONE, Precision::Double)
             .unwrap()
             .mesh()
             .clone()

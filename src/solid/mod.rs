@@ -9,7 +9,7 @@ pub use check::check;
 pub use defect::{Defect, OpenBoundary, SolidCheck};
 pub use skirt::Rim;
 
-use crate::geom::{Border, DVec2, DVec3, FaceMesh, Precision, TriMesh};
+use crate::geom::{DVec2, DVec3, FaceMesh, PartFeatures, Precision, TriMesh};
 use crate::parallel;
 use skirt::Feet;
 use thiserror::Error;
@@ -73,28 +73,28 @@ impl Solid {
     /// about the axis and may have one hole around it) by a skirt along the face's rays down to the base plane
     /// Z = 0 and the base; a hole by a land, a fan of facets to a vertex on the axis at the mean
     /// height of its rim. Every ray of the rim has its own base vertex, so nothing meets in the middle
-    /// of an edge. With `stock` the skirt ends on its flat top, which has the stock's holes and
-    /// marks, and its side leads to the base. Facets come in the order face, walls between panels, land, skirt, flat top,
-    /// marks, holes, side, base. The check sees the coordinates as `precision` leaves them.
+    /// of an edge. With a border the skirt ends on its flat top, which has holes and
+    /// marks, and its side leads to the base. Blind holes open in the base. Facets come in the order face, walls between
+    /// panels, land, skirt, flat top, marks, holes, side, base. The check sees the coordinates as `precision` leaves them.
     ///
     /// # Errors
     /// [`SolidError`] when the rim is not of one loop or two, the face touches the base or the
     /// flat top, what is in the flat top touches each other or the result fails `check`.
     pub fn from_face(
         face: &FaceMesh,
-        stock: Option<&Border>,
+        features: PartFeatures,
         precision: Precision,
     ) -> Result<Self, SolidError> {
         let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         if !(lowest_mm > 0.0) {
             return Err(SolidError::BelowBasePlane { lowest_mm });
         }
-        let top_mm = stock.map_or(0.0, |stock| stock.top_mm);
+        let top_mm = features.foot_mm();
         if !(lowest_mm > top_mm) {
             return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
         // A solid shows that no edge of the rim is missing.
-        let on_rim = |edges| Self::on_rim(edges, face, stock, precision);
+        let on_rim = |edges| Self::on_rim(edges, face, features, precision);
         on_rim(check::likely_open_edges(face)).or_else(|_| on_rim(check::open_edges(face)))
     }
 
@@ -102,15 +102,14 @@ impl Solid {
     fn on_rim(
         rim_edges: Vec<(u32, u32)>,
         face: &FaceMesh,
-        stock: Option<&Border>,
+        features: PartFeatures,
         precision: Precision,
     ) -> Result<Self, SolidError> {
-        let top_mm = stock.map_or(0.0, |stock| stock.top_mm);
         let BoundaryLoops { outer, hole } = boundary_loops(face, rim_edges)?;
         let hole_edges = hole.as_ref().map_or(0, Vec::len);
         let rim = Rim { edges: outer.len(), steps: 0, hole_edges };
-        let mut mesh = with_room(face, added(rim, stock));
-        let land = stock.and_then(|stock| stock.land.as_ref());
+        let mut mesh = with_room(face, added(rim, features));
+        let land = features.border.and_then(|border| border.land.as_ref());
         let mut bores = Vec::new();
         if let (Some(hole), Some(land)) = (&hole, land) {
             bores = border_facets::land(&mut mesh, hole, land, precision)?;
@@ -120,17 +119,21 @@ impl Solid {
             mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
             mesh.triangles.extend(sides(&hole).map(|[v, next]| [next, v, centre]));
         }
-        let feet = Feet::of(face, &outer, top_mm).skirt(&mut mesh, &outer);
-        match stock {
-            None => {
+        let feet = Feet::of(face, &outer, features.foot_mm()).skirt(&mut mesh, &outer);
+        match features.border {
+            None if features.blind_holes.is_empty() => {
                 let centre = mesh.vertices.len() as u32;
                 mesh.vertices.push(DVec3::ZERO);
                 mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
             }
-            Some(stock) => border_facets::close(&mut mesh, &feet, stock, bores, precision)?,
+            None => border_facets::drill(&mut mesh, &feet, features.blind_holes, precision)?,
+            Some(border) => {
+                let holes = (bores, features.blind_holes);
+                border_facets::close(&mut mesh, &feet, border, holes, precision)?;
+            }
         }
         parallel::for_each_mut(&mut mesh.vertices, 1 << 14, |_, v| *v = rounded(*v, precision));
-        let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
+        let check = check(&mesh).through(features.through());
         if check.is_solid() {
             Ok(Self { mesh, check, optical: face.optical() })
         } else {
@@ -174,9 +177,9 @@ impl Solid {
 
 /// How many facets [`Solid::from_face`] adds to a face with such a rim.
 #[must_use]
-pub fn added(Rim { edges, steps, hole_edges }: Rim, stock: Option<&Border>) -> usize {
-    // With stock, what ends on the rim's feet is the flat top in the place of the base. A step stands on one foot.
-    3 * edges - 2 * steps + hole_edges + stock.map_or(0, border_facets::added_facets)
+pub fn added(Rim { edges, steps, hole_edges }: Rim, features: PartFeatures) -> usize {
+    // With a border, what ends on the rim's feet is the flat top in the place of the base. A step stands on one foot.
+    3 * edges - 2 * steps + hole_edges + border_facets::added_facets(features)
 }
 
 /// A copy of `face` with room for so many more facets, and the vertices that they may have.
@@ -307,17 +310,17 @@ mod tests {
 
     #[test]
     fn a_face_becomes_a_box() {
-        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), PartFeatures::NONE, Precision::Double).unwrap();
         assert_eq!(solid.check().volume_mm3, 8.0);
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
         let around = Rim { edges: 4, steps: 0, hole_edges: 0 };
-        assert_eq!((rim(&face()).unwrap(), added(around, None)), (around, 8 + 4));
+        assert_eq!((rim(&face()).unwrap(), added(around, PartFeatures::NONE)), (around, 8 + 4));
     }
 
     #[test]
     fn a_body_grows_about_the_origin_and_is_checked_again() {
-        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), PartFeatures::NONE, Precision::Double).unwrap();
         let grown = solid.grown(1.5, Precision::Single).unwrap();
         assert_eq!((grown.check().volume_mm3, grown.optical()), (27.0, 2));
         assert_eq!(grown.mesh().vertices[2], DVec3::new(1.5, 1.5, 3.0));
@@ -331,7 +334,7 @@ mod tests {
         let mut low = square();
         low.vertices[2].z = 0.0;
         assert_eq!(
-            Solid::from_face(&low.into(), None, Precision::Double).unwrap_err(),
+            Solid::from_face(&low.into(), PartFeatures::NONE, Precision::Double).unwrap_err(),
             SolidError::BelowBasePlane { lowest_mm: 0.0 }
         );
     }
@@ -354,14 +357,15 @@ mod tests {
     #[test]
     fn a_hole_gets_a_land() {
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&holed(DVec3::ZERO), None, precision).unwrap();
+            let solid =
+                Solid::from_face(&holed(DVec3::ZERO), PartFeatures::NONE, precision).unwrap();
             // A box of height 2 and the frustum of a pyramid of height 1/2.
             let exact = 8.0 + 0.5 / 3.0 * (4.0 + 1.0 + 2.0);
             assert!((solid.check().volume_mm3 - exact).abs() < 1e-12);
             assert_eq!((solid.check().euler, solid.check().components), (2, 1));
             assert_eq!((solid.mesh().triangles.len(), solid.optical()), (8 + 4 + 8 + 4, 8));
             let around = Rim { edges: 4, steps: 0, hole_edges: 4 };
-            let found = (rim(&holed(DVec3::ZERO)).unwrap(), added(around, None));
+            let found = (rim(&holed(DVec3::ZERO)).unwrap(), added(around, PartFeatures::NONE));
             assert_eq!(found, (around, 4 + 8 + 4));
             for t in 8..12 {
                 assert!(solid.mesh().area_vector(t).normalize().z == 1.0);
@@ -375,7 +379,7 @@ mod tests {
         face.triangles.remove(0);
         let refused = |face: &TriMesh| {
             matches!(
-                Solid::from_face(&face.clone().into(), None, Precision::Single),
+                Solid::from_face(&face.clone().into(), PartFeatures::NONE, Precision::Single),
                 Err(SolidError::BoundaryLoops { .. })
             )
         };
@@ -393,9 +397,11 @@ mod tests {
         let mut fine = square();
         fine.vertices.push(DVec3::new(1.0 + 1e-12, 0.0, 2.0));
         fine.triangles.push([1, 4, 2]);
-        assert!(Solid::from_face(&fine.clone().into(), None, Precision::Double).is_ok());
+        assert!(
+            Solid::from_face(&fine.clone().into(), PartFeatures::NONE, Precision::Double).is_ok()
+        );
         let Err(SolidError::Check(check)) =
-            Solid::from_face(&fine.clone().into(), None, Precision::Single)
+            Solid::from_face(&fine.clone().into(), PartFeatures::NONE, Precision::Single)
         else {
             panic!("not refused")
         };

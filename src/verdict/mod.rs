@@ -14,7 +14,7 @@ pub(crate) use remedy::filling;
 
 use crate::align::FormError;
 use crate::design::Design;
-use crate::geom::{Border, Outline, Precision};
+use crate::geom::{Outline, Precision};
 use crate::num::stats::Summary;
 use crate::part::codec;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits, FileFormat, Profile};
@@ -123,8 +123,7 @@ pub(crate) fn unfilled(frame: &FrameFill, least: LeastFilled) -> Option<PictureF
 /// volume, mm^3.
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
     let outline = design.mirror.full_outline();
-    let stock = design.border.as_ref().map_or(0.0, Border::chords_mm3);
-    let faces = outline.area() * chord_mm + stock;
+    let faces = outline.area() * chord_mm + design.features().chords_mm3();
     match outline {
         Outline::Rect(_) => faces,
         // Chords that cut EDGE of the radius take 4/3 of that share of the disc.

@@ -3,7 +3,7 @@
 
 use super::plan_edge::PlanEdge;
 use crate::design::Design;
-use crate::geom::{Border, DVec2, DVec3, Outline, Rect};
+use crate::geom::{BlindHole, Border, DVec2, DVec3, HoleMeridian, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
 use crate::parallel;
@@ -15,7 +15,9 @@ const CHUNK: usize = 16_384;
 /// The vertex farthest from the part's surface, and how far that is, mm (along Z on the mirror and
 /// the base, across it beside the outline). None without vertices.
 pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)> {
-    let Design { mirror, border: stock, .. } = design;
+    let Design { mirror, border, blind_holes, .. } = design;
+    let blind: Vec<HoleMeridian> = blind_holes.iter().map(BlindHole::meridian).collect();
+    let around = Around { border: border.as_ref(), blind: &blind };
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     let land = land(mirror);
     let leaning = PlanEdge::new(mirror);
@@ -35,7 +37,7 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
                     None => mirror.height(q),
                 };
                 let on_mirror = mirror.chart.point(q, f);
-                let off = distance(mirror, on_mirror, q, v, land, leaning.as_ref(), stock.as_ref());
+                let off = distance(mirror, on_mirror, q, v, land, leaning.as_ref(), around);
                 worst = farther(worst, (k, off));
                 k += 1;
             }
@@ -101,6 +103,24 @@ fn edge_at(mirror: &Mirror, leaning: Option<&PlanEdge>, v: DVec3) -> (DVec3, f64
     (edge, across.length() - edge.truncate().length())
 }
 
+/// The surfaces around and below the mirror.
+#[derive(Clone, Copy)]
+struct Around<'a> {
+    border: Option<&'a Border>,
+    blind: &'a [HoleMeridian],
+}
+
+impl Around<'_> {
+    /// Distance of `v` from the base of a part without a border and from its blind holes, mm.
+    fn base(self, v: DVec3) -> f64 {
+        let p = v.truncate();
+        let within = self.blind.iter().map(|hole| hole.mouth_radius() - p.distance(hole.axis));
+        let off_base = within.fold(0.0, f64::max);
+        let holes = self.blind.iter().map(|hole| hole.distance(v));
+        holes.fold(DVec2::new(off_base, v.z).length(), f64::min)
+    }
+}
+
 /// Distance of the vertex `v`, which is at `q` in the chart, from the part's surface, mm; `over` is the mirror's
 /// point there.
 fn distance(
@@ -110,7 +130,7 @@ fn distance(
     v: DVec3,
     land: Option<(f64, [f64; 2])>,
     leaning: Option<&PlanEdge>,
-    stock: Option<&Border>,
+    around: Around,
 ) -> f64 {
     let outline = mirror.full_outline();
     let on_mirror = (over - v).length();
@@ -122,10 +142,11 @@ fn distance(
     if let (true, Some((radius, [lo, hi]))) = (inside >= 0.0, land)
         && v.truncate().length() <= radius
     {
-        if let Some(stock) = stock.filter(|stock| stock.land.is_some()) {
-            return on_mirror.min(stock.distance(v, f64::NEG_INFINITY, true));
+        if let Some(border) = around.border.filter(|border| border.land.is_some()) {
+            let on_border = border.distance(v, f64::NEG_INFINITY, true, around.blind);
+            return on_mirror.min(on_border);
         }
-        return on_mirror.min((lo - v.z).max(v.z - hi).max(0.0)).min(v.z.abs());
+        return on_mirror.min((lo - v.z).max(v.z - hi).max(0.0)).min(around.base(v));
     }
     // Most vertices are on the mirror, and there nothing else is asked: nor where only rounding takes them off it, far
     // from its edge.
@@ -135,14 +156,14 @@ fn distance(
         return on_mirror;
     }
     let (edge, beside) = edge_at(mirror, leaning, v);
-    if let Some(stock) = stock {
-        let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(stock.top_mm)).length();
-        let on_stock = stock.distance(v, beside, false).min(on_skirt);
-        return if inside >= 0.0 { on_mirror.min(on_stock) } else { on_stock };
+    if let Some(border) = around.border {
+        let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(border.top_mm)).length();
+        let on_border = border.distance(v, beside, false, around.blind).min(on_skirt);
+        return if inside >= 0.0 { on_mirror.min(on_border) } else { on_border };
     }
     if beside > 0.0 {
         return if inside >= 0.0 { on_mirror.min(beside) } else { beside };
     }
     let on_skirt = if v.z >= 0.0 && v.z <= edge.z { -beside } else { f64::INFINITY };
-    on_mirror.min(v.z.abs()).min(on_skirt)
+    on_mirror.min(around.base(v)).min(on_skirt)
 }

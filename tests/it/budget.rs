@@ -4,7 +4,7 @@ use crate::support;
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::{share, small_but, times};
 use morion::internals::design::Design;
-use morion::internals::geom::Precision;
+use morion::internals::geom::{PartFeatures, Precision};
 use morion::internals::mesh::{Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, mesh};
 use morion::internals::num::exp;
 use morion::internals::pipeline::{Silent, build};
@@ -22,7 +22,7 @@ impl ClosureCount for Closed {
     }
 
     fn counted(&self, face: &Face) -> usize {
-        added(rim(&face.mesh).unwrap(), None)
+        added(rim(&face.mesh).unwrap(), PartFeatures::NONE)
     }
 }
 
@@ -49,7 +49,11 @@ fn within(design: &Design, triangles: usize, precision: Precision) -> Result<Fac
 
 /// Facets of the solid that `face` becomes.
 fn closed(face: &Face) -> usize {
-    Solid::from_face(&face.mesh, None, Precision::Single).unwrap().mesh().triangles.len()
+    Solid::from_face(&face.mesh, PartFeatures::NONE, Precision::Single)
+        .unwrap()
+        .mesh()
+        .triangles
+        .len()
 }
 
 /// Numbers of cells that are whole leave some gaps (a build tells what is not used), and the longest facets that lie

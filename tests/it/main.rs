@@ -24,6 +24,7 @@ mod frame;
 mod fuzzed;
 mod given_mirrors;
 mod glb;
+mod holes;
 mod inspection;
 mod least_error;
 mod machining;

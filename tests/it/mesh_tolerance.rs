@@ -5,7 +5,9 @@
 
 use crate::support::{designed, limits, meshed, profile, sag, share, shipped, with_limits};
 use morion::internals::design::Design;
-use morion::internals::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
+use morion::internals::geom::{
+    DVec2, DVec3, Outline, PartFeatures, Precision, Rect, TriMesh, turn,
+};
 use morion::internals::mesh::{ErrorBound, ErrorBounder, Face, Limits};
 use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
@@ -174,7 +176,7 @@ fn hold_shape(design: &Design, face: &Face) {
         assert!(is_symmetric(mesh, DVec3::new(1.0, -1.0, 1.0)), "not symmetric in Y");
     }
     for precision in [Precision::Single, Precision::Double] {
-        let solid = Solid::from_face(mesh, None, precision);
+        let solid = Solid::from_face(mesh, PartFeatures::NONE, precision);
         assert!(solid.is_ok(), "{precision:?}: {}", solid.unwrap_err());
     }
 }

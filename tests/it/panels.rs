@@ -3,7 +3,7 @@
 use crate::support::builds::folder;
 use crate::support::share;
 use morion::internals::design::{Design, design};
-use morion::internals::geom::{DVec2, DVec3, Precision};
+use morion::internals::geom::{DVec2, DVec3, PartFeatures, Precision};
 use morion::internals::mirror::{Mirror, Surface};
 use morion::internals::num::{cos, radians, sin, tan};
 use morion::internals::optics::reflect;
@@ -188,7 +188,7 @@ fn walls_close_the_part_in_every_arrangement() {
         let face = design.mesh().unwrap();
         assert!(face.mesh.optical() < face.mesh.triangles.len());
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, None, precision).unwrap();
+            let solid = Solid::from_face(&face.mesh, PartFeatures::NONE, precision).unwrap();
             let check = solid.check();
             assert_eq!((check.euler, check.components), (2, 1), "{panels:?}");
             assert_eq!(solid.optical(), face.mesh.optical());

@@ -6,7 +6,9 @@ use crate::support::parts::{CONQUISTADOR, case, cases};
 use crate::support::{designed, meshed, share, unlimited};
 use morion::internals::design::Design;
 use morion::internals::export::{read_obj, read_stl};
-use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
+use morion::internals::geom::{
+    Border, Contour, DVec2, DVec3, Drilled, Hole, Outline, PartFeatures, Precision,
+};
 use morion::internals::pipeline::{Silent, build, dry_run};
 use morion::internals::profile::{FileFormat, MeshFormat};
 use morion::internals::results::{BuildReport, Reason, Verdict};
@@ -23,15 +25,15 @@ fn polygon_area(radius: f64, n: usize) -> f64 {
 }
 
 /// The volume of cylinders and cones that take up such areas.
-fn drilled_away(design: &Design, area: impl Fn(&Drilled) -> f64) -> f64 {
+fn drilled_away(design: &Design, area: impl Fn(f64) -> f64) -> f64 {
     let stock = stock(design);
-    let holes: f64 = stock.holes.iter().map(|d| stock.top_mm * area(d)).sum();
-    let marks: f64 = stock.marks.iter().map(|d| d.diameter_mm / 6.0 * area(d)).sum();
+    let holes: f64 = stock.holes.iter().map(|d| stock.top_mm * area(d.diameter_mm)).sum();
+    let marks: f64 = stock.marks.iter().map(|d| d.diameter_mm / 6.0 * area(d.diameter_mm)).sum();
     let Some(land) = &stock.land else { return holes + marks };
     let Outline::Ring { inner, .. } = design.mirror.outline else { panic!("a land in no ring") };
     let q = DVec2::new(0.0, inner);
     let z = design.mirror.position(q, &design.mirror.surface.at(q)).z;
-    holes + marks + land.holes.iter().map(|d| z * area(d)).sum::<f64>()
+    holes + marks + land.holes.iter().map(|d| z * area(d.diameter_mm)).sum::<f64>()
 }
 
 /// The solid is the face's prism on a plate that is counted by hand: exactly, for the polygons.
@@ -44,21 +46,26 @@ fn the_volume_is_that_of_a_face_on_a_plate() {
         let face = meshed(&profile, &design).unwrap();
         let around = rim(&face.mesh).unwrap();
         for precision in [Precision::Single, Precision::Double] {
-            let bare = Solid::from_face(&face.mesh, None, precision).unwrap();
-            let solid = Solid::from_face(&face.mesh, Some(stock), precision).unwrap();
+            let bare = Solid::from_face(&face.mesh, PartFeatures::NONE, precision).unwrap();
+            let solid =
+                Solid::from_face(&face.mesh, PartFeatures::bordered(Some(stock)), precision)
+                    .unwrap();
             let check = solid.check();
             assert!(check.is_solid() && check.components == 1, "{what}");
             assert_eq!(check.euler, 2 - 2 * design.holes() as i64, "{what}");
             assert_eq!(solid.optical(), bare.optical(), "{what}");
             let more = solid.mesh().triangles.len() - face.mesh.triangles.len();
-            assert_eq!(more, added(around, Some(stock)), "{what}");
+            assert_eq!(more, added(around, PartFeatures::bordered(Some(stock))), "{what}");
 
             // The mirror's own footprint, from the base of the solid without stock.
             let covered: f64 = (0..bare.mesh().triangles.len())
                 .filter(|&t| bare.mesh().corners(t).iter().all(|v| v.z == 0.0))
                 .map(|t| -0.5 * bare.mesh().area_vector(t).z)
                 .sum();
-            let area = |d: &Drilled| polygon_area(0.5 * d.diameter_mm, d.polygon(d.at).len());
+            let area = |diameter_mm: f64| {
+                let corners = Hole::plain(DVec2::ZERO, diameter_mm).meridian(1.0).corners();
+                polygon_area(0.5 * diameter_mm, corners)
+            };
             let plate = match stock.contour {
                 Contour::Circle { radius_mm } => {
                     polygon_area(radius_mm, stock.contour.polygon().len())
@@ -98,7 +105,7 @@ fn the_expected_volume_has_true_circles() {
             (Outline::Ring { .. }, _) => PI * 900.0,
             _ => curved(&design),
         };
-        let area = |d: &Drilled| 0.25 * PI * d.diameter_mm * d.diameter_mm;
+        let area = |diameter_mm: f64| 0.25 * PI * diameter_mm * diameter_mm;
         let cut = drilled_away(&design, area);
         let exact = design.mirror.volume() + stock.top_mm * (plate - covered) - cut;
         let off = design.volume() / exact - 1.0;

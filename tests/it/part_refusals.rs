@@ -210,7 +210,7 @@ fn random_parts_close_or_are_refused() {
         };
         let face = meshed(&profile, &design).unwrap_or_else(|e| panic!("{e}\n{text}"));
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, design.border.as_ref(), precision);
+            let solid = Solid::from_face(&face.mesh, design.features(), precision);
             let solid = solid.unwrap_or_else(|e| panic!("{e}\n{text}"));
             assert_eq!(solid.check().euler, 2 - 2 * design.holes() as i64);
         }

@@ -2,7 +2,7 @@
 
 use crate::support::{self, designed, limits, meshed, profile, share, shipped, with_limits};
 use morion::internals::design::design;
-use morion::internals::geom::Precision;
+use morion::internals::geom::{PartFeatures, Precision};
 use morion::internals::mesh::{Face, MeshError};
 use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
@@ -14,7 +14,7 @@ fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {
         Ok(face) => {
             assert!(face.mesh.vertices.iter().all(|v| v.is_finite()), "{what}");
             assert!(limits.hold(&face.bound), "{what}: {:?} over {limits:?}", face.bound);
-            let solid = Solid::from_face(&face.mesh, None, Precision::Double);
+            let solid = Solid::from_face(&face.mesh, PartFeatures::NONE, Precision::Double);
             assert!(solid.is_ok(), "{what}: {}", solid.unwrap_err());
         }
         Err(MeshError::TooMany { facets, most }) => assert!(facets > most, "{what}: {facets}"),

@@ -5,7 +5,7 @@ use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::parts::case;
 use crate::support::{designed, meshed, profile, share, shipped};
-use morion::internals::geom::{Chart, DVec3, Precision, Ray, TriMesh};
+use morion::internals::geom::{Chart, DVec3, PartFeatures, Precision, Ray, TriMesh};
 use morion::internals::optics::{Camera, CameraModel, Distortion, Mount, PictureMap};
 use morion::internals::profile::{MeshGoal, Profile};
 use morion::internals::solid::Solid;
@@ -47,7 +47,7 @@ fn compared(what: &str, scene: &Scene, camera: &Camera) -> (Vec<RayEnd>, TraceCo
 fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<RayEnd>, TraceCounts) {
     let design = designed(profile);
     let face = meshed(profile, &design).unwrap();
-    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), precision).unwrap();
+    let solid = Solid::from_face(&face.mesh, design.features(), precision).unwrap();
     let scene = Scene::new(solid.mesh().clone());
     let fewer = f64::from(design.camera.pixels[0]) / 170.0;
     let camera = Camera {
@@ -299,7 +299,8 @@ fn camera_rays_never_slip_between_facets() {
             vertices: (0..side * side).map(corner).collect(),
             triangles: (0..CELLS * CELLS).flat_map(cell).collect(),
         };
-        let solid = Solid::from_face(&face.clone().into(), None, Precision::Double).unwrap();
+        let solid =
+            Solid::from_face(&face.clone().into(), PartFeatures::NONE, Precision::Double).unwrap();
         let scene = Scene::new(solid.mesh().clone());
         let (found, counts) = CameraTrace::new(&scene, &camera, above(&scene)).run();
         assert_eq!(counts.rasterized, found.len());

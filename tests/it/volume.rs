@@ -2,7 +2,7 @@
 
 use crate::support::{designed, meshed, panel, profile, sag, shipped};
 use morion::internals::design::Design;
-use morion::internals::geom::{DVec2, DVec3, Precision, TriMesh, turn};
+use morion::internals::geom::{DVec2, DVec3, PartFeatures, Precision, TriMesh, turn};
 use morion::internals::profile::{MeshGoal, Profile};
 use morion::internals::solid::Solid;
 
@@ -60,7 +60,7 @@ fn the_solids_volume_is_the_designs_within_the_chord_bound() {
         let face = meshed(&profile, &design).unwrap();
         let slack = design.mirror.full_outline().area() * face.bound.chord_mm;
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, None, precision).unwrap();
+            let solid = Solid::from_face(&face.mesh, PartFeatures::NONE, precision).unwrap();
             let off = solid.check().volume_mm3 - design.mirror.volume();
             println!("{what} {precision:?}: off by {:.4} of the slack", off.abs() / slack);
             assert!(off.abs() <= slack, "{what}, {precision:?}: off by {off}, allowed {slack}");
@@ -97,7 +97,7 @@ fn the_volume_error_falls_with_the_square_of_the_facets_size() {
             let profile = Profile { mesh, ..profile.clone() };
             let design = designed(&profile);
             let face = meshed(&profile, &design).unwrap().mesh;
-            let solid = Solid::from_face(&face, None, Precision::Double).unwrap();
+            let solid = Solid::from_face(&face, PartFeatures::NONE, Precision::Double).unwrap();
             let (off, gap) =
                 (solid.check().volume_mm3 - design.mirror.volume(), gap(&design, &face));
             println!("{law}, {chord_um} um: off by {off}, gap {gap}");

@@ -5,7 +5,7 @@ use crate::support::builds::folder;
 use crate::support::{designed, meshed, profile, shipped, unlimited};
 use morion::internals::design::Design;
 use morion::internals::export::{Label, read_obj, write_obj};
-use morion::internals::geom::{DVec2, DVec3, Precision, Ray, TriMesh};
+use morion::internals::geom::{DVec2, DVec3, PartFeatures, Precision, Ray, TriMesh};
 use morion::internals::num::stats::Summary;
 use morion::internals::optics::reflect;
 use morion::internals::pipeline::{Silent, build};
@@ -25,7 +25,7 @@ const VALLEY: (&str, &str) =
 
 fn solid(profile: &Profile, design: &Design) -> Solid {
     let face = meshed(profile, design).unwrap();
-    Solid::from_face(&face.mesh, None, Precision::Double).unwrap()
+    Solid::from_face(&face.mesh, PartFeatures::NONE, Precision::Double).unwrap()
 }
 
 /// Every camera ray, with its image point.
@@ -177,7 +177,7 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, None, precision).unwrap();
+            let solid = Solid::from_face(&face.mesh, PartFeatures::NONE, precision).unwrap();
             let scene = Scene::new(solid.mesh().clone());
             let found =
                 witness(&design, &scene, None).summary(|s| Some(s.errors.unwrap().facet_mm));
@@ -313,7 +313,7 @@ fn tilted_normals_are_seen() {
     let profile = profile(&[SMALL]);
     let design = designed(&profile);
     let face = meshed(&profile, &design).unwrap();
-    let solid = Solid::from_face(&face.mesh, None, Precision::Double).unwrap();
+    let solid = Solid::from_face(&face.mesh, PartFeatures::NONE, Precision::Double).unwrap();
     let label = Label {
         profile: "case".into(),
         sha256: String::new(),

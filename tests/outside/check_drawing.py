@@ -112,7 +112,7 @@ def dxf(path, facts):
     bad = [f"ezdxf: {error.message}" for error in [*audit.errors, *audit.fixes]]
     model = document.modelspace()
     # The plan's axes cross at the part's origin, which its holes are measured from.
-    wide = [entity for entity in model if entity.dxf.layer == "OUTLINE"]
+    wide = [entity for entity in model if entity.dxf.layer in ("OUTLINE", "HIDDEN")]
     circles = [(c.dxf.center.x, c.dxf.center.y, 2 * c.dxf.radius) for c in wide if c.dxftype() == "CIRCLE"]
     features = facts.get("features", [])
     if features:

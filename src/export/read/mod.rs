@@ -225,7 +225,7 @@ fn not_empty(mesh: TriMesh) -> Result<TriMesh, ReadError> {
 mod tests {
     use super::*;
     use crate::export::{Label, write_stl};
-    use crate::geom::Precision;
+    use crate::geom::{PartFeatures, Precision};
     use crate::solid::Solid;
 
     fn stl() -> Vec<u8> {
@@ -235,7 +235,7 @@ mod tests {
             DVec3::new(0.0, 1.5, 3.0),
         ];
         let face = TriMesh { vertices, triangles: vec![[0, 1, 2]] };
-        let solid = Solid::from_face(&face.into(), None, Precision::Single).unwrap();
+        let solid = Solid::from_face(&face.into(), PartFeatures::NONE, Precision::Single).unwrap();
         let label = Label {
             profile: "solid\nof a long name ".repeat(9),
             sha256: "0123456789abcdef".into(),

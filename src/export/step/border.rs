@@ -1,18 +1,19 @@
 //! The material around a mirror: outer walls, flat top, holes, marks and base plane.
 
 use super::face_role::FaceRole;
+use super::hole::write_hole;
 use super::part21::{DataSection, InstanceId, real};
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
-use crate::geom::{Border, Contour, DVec2, DVec3, Drilled};
+use crate::geom::{BlindHole, Border, Contour, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_4;
 
 /// Writes the faces of `border` around the mirror's walls, whose feet run counterclockwise from
-/// above, with the lower ends of other holes in its base.
+/// above, with the lower ends of other holes in its base, and blind holes.
 pub(super) fn write_border(
     data: &mut DataSection,
     border: &Border,
     feet: &[OrientedEdge],
-    lows: &[BrepEdge],
+    (lows, blind): (&[BrepEdge], &[BlindHole]),
     faces: &mut Vec<InstanceId>,
 ) {
     let top_mm = border.top_mm;
@@ -34,9 +35,13 @@ pub(super) fn write_border(
     };
     let (mut base, mut top) = (vec![reversed(&low)], vec![high, reversed(feet)]);
     for hole in &border.holes {
-        let [low, high] = write_hole(data, hole, top_mm, faces);
+        let [low, high] = write_hole(data, &hole.meridian(top_mm), faces);
         base.push(vec![low.forward()]);
         top.push(vec![high.backward()]);
+    }
+    for hole in blind {
+        let [low, _] = write_hole(data, &hole.meridian(), faces);
+        base.push(vec![low.forward()]);
     }
     base.extend(lows.iter().map(|low| vec![low.forward()]));
     for (k, mark) in border.marks.iter().enumerate() {
@@ -52,20 +57,6 @@ pub(super) fn write_border(
     }
     faces.push(data.plane_face(FaceRole::Rim, &top, DVec3::Z * top_mm, DVec3::Z));
     faces.push(data.plane_face(FaceRole::Base, &base, DVec3::ZERO, DVec3::NEG_Z));
-}
-
-/// Writes the wall of a through hole from the base to `top_mm`; its lower and its upper end.
-pub(super) fn write_hole(
-    data: &mut DataSection,
-    hole: &Drilled,
-    top_mm: f64,
-    faces: &mut Vec<InstanceId>,
-) -> [BrepEdge; 2] {
-    let low = data.circle_edge(hole.at.extend(0.0), hole.radius());
-    let high = data.circle_edge(hole.at.extend(top_mm), hole.radius());
-    let role = data.next_hole();
-    faces.push(data.cylinder_face(role, [low, high], (hole.at, hole.radius()), false));
-    [low, high]
 }
 
 /// A piece of a rectangle's outline, counterclockwise: where it starts, and what it turns about.

@@ -1,23 +1,24 @@
 //! The body as a boundary representation: the mirror's faces, the walls under them and the base, closed.
 
 use super::b_spline::{BSplineSurface, KnotVector};
-use super::border::{write_border, write_hole};
+use super::border::write_border;
 use super::face_role::FaceRole;
 use super::fit::{FittedFaces, FittedMirror};
+use super::hole::write_hole;
 use super::panels::{WrittenSurface, write_panels};
 use super::part21::{DataSection, InstanceId, list};
 use super::rim_curve::RimCurve;
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
-use crate::geom::{Border, DVec2, DVec3, Land};
+use crate::geom::{DVec2, DVec3, Land, PartFeatures};
 
-/// Writes the body, with `border` around the mirror if there is any; its number.
+/// Writes the body with its features; its number.
 pub(super) fn write_body(
     data: &mut DataSection,
     fit: &FittedMirror,
-    border: Option<&Border>,
+    features: PartFeatures,
 ) -> InstanceId {
     let (mut faces, mut lows) = (Vec::new(), Vec::new());
-    let foot_mm = border.map_or(0.0, |border| border.top_mm);
+    let foot_mm = features.foot_mm();
     let foot = match &fit.faces {
         FittedFaces::Panel { net, straight, folded } => {
             write_panels(data, net, [*straight, *folded], foot_mm, &mut faces)
@@ -28,19 +29,23 @@ pub(super) fn write_body(
             wall(data, outer, *outer_mm, foot_mm, &mut faces)
         }
         FittedFaces::Revolved { radius, points } => {
-            let land = border.and_then(|border| border.land.as_ref());
+            let land = features.border.and_then(|border| border.land.as_ref());
             let outer = turned(data, radius, points, land, &mut lows, &mut faces);
             wall(data, outer, points[points.len() - 1].x, foot_mm, &mut faces)
         }
     };
-    match border {
-        Some(border) => write_border(data, border, &foot, &lows, &mut faces),
-        None => faces.push(data.plane_face(
-            FaceRole::Base,
-            &[reversed(&foot)],
-            DVec3::ZERO,
-            DVec3::NEG_Z,
-        )),
+    match features.border {
+        Some(border) => {
+            write_border(data, border, &foot, (&lows, features.blind_holes), &mut faces);
+        }
+        None => {
+            let mut base = vec![reversed(&foot)];
+            for hole in features.blind_holes {
+                let [low, _] = write_hole(data, &hole.meridian(), &mut faces);
+                base.push(vec![low.forward()]);
+            }
+            faces.push(data.plane_face(FaceRole::Base, &base, DVec3::ZERO, DVec3::NEG_Z));
+        }
     }
     let shell = list(&faces);
     let shell = data.add(format_args!("CLOSED_SHELL('',{shell})"));
@@ -130,7 +135,7 @@ fn turned(
         boundary.push(inner.backward());
         let mut loops = vec![vec![inner.forward()]];
         for hole in land.into_iter().flat_map(|land| &land.holes) {
-            let [low, high] = write_hole(data, hole, start.at.z, faces);
+            let [low, high] = write_hole(data, &hole.meridian(start.at.z), faces);
             loops.push(vec![high.backward()]);
             lows.push(low);
         }

@@ -17,7 +17,7 @@ pub(super) enum FaceRole {
     Side,
     /// The bottom.
     Base,
-    /// A through hole, counted from 1.
+    /// A hole, counted from 1.
     Hole(usize),
     /// A mark, counted from 1.
     Mark(usize),

@@ -18,6 +18,7 @@ mod border;
 mod brep;
 mod face_role;
 mod fit;
+mod hole;
 mod knots;
 mod panelled;
 mod panels;
@@ -31,7 +32,7 @@ pub use fit::{FittedMirror, fit_splines};
 pub use pmi::Pmi;
 
 use super::Label;
-use crate::geom::{Border, DVec3};
+use crate::geom::{DVec3, PartFeatures};
 use part21::{DataSection, InstanceId, list, quoted};
 use pmi::ShapeContext;
 use std::io::{self, Write};
@@ -110,7 +111,7 @@ impl StepSchema {
     }
 }
 
-/// Writes the body as STEP: what `fit` found of the mirror, with `border` around it if there is any.
+/// Writes the body as STEP: what `fit` found of the mirror, with its features.
 /// Lengths have the digits that matter, 1e-10 mm; nothing depends on the time or the machine.
 ///
 /// # Errors
@@ -118,12 +119,12 @@ impl StepSchema {
 pub fn write_step(
     out: &mut impl Write,
     fit: &FittedMirror,
-    border: Option<&Border>,
+    features: PartFeatures,
     schema: &StepSchema,
     label: &Label,
 ) -> io::Result<()> {
     let mut data = DataSection::default();
-    let context = product(&mut data, (fit, border), schema, label);
+    let context = product(&mut data, (fit, features), schema, label);
     if let StepSchema::Ap242(pmi) = schema {
         pmi.write(&mut data, &context);
     }
@@ -155,7 +156,7 @@ pub fn write_step(
 /// The product, its shape and the body.
 fn product(
     data: &mut DataSection,
-    (fit, border): (&FittedMirror, Option<&Border>),
+    (fit, features): (&FittedMirror, PartFeatures),
     schema: &StepSchema,
     label: &Label,
 ) -> ShapeContext {
@@ -187,7 +188,7 @@ fn product(
          REPRESENTATION_CONTEXT('part','3D'))"
     ));
     let origin = data.placement(DVec3::ZERO, DVec3::Z, DVec3::X);
-    let body = brep::write_body(data, fit, border);
+    let body = brep::write_body(data, fit, features);
     let brep =
         data.add(format_args!("ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{body}),{space})"));
     data.add(format_args!("SHAPE_DEFINITION_REPRESENTATION({shape},{brep})"));

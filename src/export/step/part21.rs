@@ -30,7 +30,7 @@ pub(super) struct DataSection {
     /// The body's faces.
     pub(super) faces: Vec<WrittenFace>,
     last: u32,
-    /// Through holes named so far.
+    /// Holes named so far.
     pub(super) holes: usize,
 }
 

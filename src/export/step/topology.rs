@@ -56,7 +56,7 @@ pub(super) fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
 }
 
 impl DataSection {
-    /// The name of the next through hole.
+    /// The role of the next hole's faces.
     pub(super) fn next_hole(&mut self) -> FaceRole {
         self.holes += 1;
         FaceRole::Hole(self.holes)
@@ -259,12 +259,27 @@ impl DataSection {
     pub(super) fn cylinder_face(
         &mut self,
         role: FaceRole,
-        [low, high]: [BrepEdge; 2],
+        edges: [BrepEdge; 2],
         (centre, radius): (DVec2, f64),
         same: bool,
     ) -> InstanceId {
         let surface = self.cylinder(centre, radius);
-        let seam = self.line_edge(low.from, high.from);
+        self.turned_face(role, edges, surface, same)
+    }
+
+    /// The face of an upright cylinder or cone from one round edge to another, with a seam; `same`: material is inside.
+    pub(super) fn turned_face(
+        &mut self,
+        role: FaceRole,
+        [low, high]: [BrepEdge; 2],
+        surface: InstanceId,
+        same: bool,
+    ) -> InstanceId {
+        let seam = if low.from.at.truncate() == high.from.at.truncate() {
+            self.line_edge(low.from, high.from)
+        } else {
+            self.slanted_edge(low.from, high.from)
+        };
         let boundary = [low.forward(), seam.forward(), high.backward(), seam.backward()];
         let boundary = if same { boundary.to_vec() } else { reversed(&boundary) };
         self.face(role, &[boundary], surface, same)

@@ -4,6 +4,7 @@ use super::super::border::{BorderFeature, BorderSpec};
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, RowsFormat, number, rows, within};
+use super::super::{HoleSpec, PartSpec};
 use super::{Entries, SIZE, is_size, reach};
 use crate::geom::{DVec2, Drilled};
 
@@ -69,8 +70,8 @@ fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Locate
     spots
 }
 
-/// Holds the rim to the rest of the profile.
-pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
+/// Holds the rim and the holes to the rest of the profile.
+pub(super) fn check(reader: &mut ProfileReader, parts: &Entries, holes: &[Located<HoleSpec>]) {
     let found = &parts.part.border;
     if let (Some(corner), Some(layout)) = (found.corner, &parts.layout)
         && layout.is_round()
@@ -95,8 +96,8 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
         reader.complain(rim.at, message, hint);
         return;
     }
-    let Some(border) = found.border(base.value) else { return };
-    for mark in &found.marks {
+    let border = found.border(base.value);
+    for (mark, border) in found.marks.iter().flat_map(|mark| Some((mark, border.as_ref()?))) {
         let depth = mark.value.radius();
         if !(depth <= DEEPEST * border.rim_mm) {
             let message = format!(
@@ -109,12 +110,17 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
         }
     }
     // Of a mirror whose outline the design alone can tell, the design complains.
-    let Some(mirror) = reach::known_outline(parts) else { return };
-    for conflict in border.conflicts(&mirror) {
+    let (Some(mirror), Some(width)) = (reach::known_outline(parts), parts.part.width) else {
+        return;
+    };
+    let specs = holes.iter().map(|hole| hole.value).collect();
+    let part = PartSpec { width_mm: width.value, base_mm: base.value, border, holes: specs };
+    for conflict in part.conflicts(&mirror) {
         let at = match conflict.feature {
             BorderFeature::Corners => found.corner.map_or(0, |corner| corner.at),
             BorderFeature::Hole(k) => found.holes[k].at,
             BorderFeature::Mark(k) => found.marks[k].at,
+            BorderFeature::Drilling(k) => holes[k].at,
         };
         reader.complain(at, conflict.message, &conflict.hint);
     }

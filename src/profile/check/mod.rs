@@ -5,6 +5,7 @@ mod calibrated;
 mod camera;
 mod drawing;
 mod fits;
+mod hole;
 mod layout;
 mod limits;
 mod map;
@@ -117,6 +118,7 @@ pub(super) fn profile(
     let parts = Entries::read(reader, &root);
     let mount = mount::read(reader, &root, &parts);
     let obstacles = obstacle::read(reader, &root);
+    let holes = hole::read(reader, &root);
     let mesh = limits::mesh(reader, &root, &parts);
     let export = reader.section(&root, "export", Required);
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
@@ -136,7 +138,7 @@ pub(super) fn profile(
     }
     target::check(reader, &parts);
     reach::check(reader, &parts);
-    border::check(reader, &parts);
+    border::check(reader, &parts, &holes);
     if !reader.is_clean() {
         return None;
     }
@@ -162,7 +164,8 @@ pub(super) fn profile(
         heights: None,
         part: {
             let (width_mm, base_mm) = (part.width?.value, part.base?.value);
-            PartSpec { width_mm, base_mm, border: part.border.border(base_mm) }
+            let holes = holes.into_iter().map(|hole| hole.value).collect();
+            PartSpec { width_mm, base_mm, border: part.border.border(base_mm), holes }
         },
         mesh: mesh?,
         formats: formats?,

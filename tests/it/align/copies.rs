@@ -103,8 +103,7 @@ impl Part {
         let profile = parsed(text);
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
-        let solid =
-            Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Double).unwrap();
+        let solid = Solid::from_face(&face.mesh, design.features(), Precision::Double).unwrap();
         Self { name, optical: solid.optical(), solid: solid.mesh().clone(), design }
     }
 

@@ -25,7 +25,7 @@ fn part(name: &str, facet_px: &str, pixels: [u32; 2]) -> (Design, Scene) {
 fn part_of(profile: &Profile, pixels: [u32; 2]) -> (Design, Scene) {
     let mut design = designed(profile);
     let face = meshed(profile, &design).unwrap();
-    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single).unwrap();
+    let solid = Solid::from_face(&face.mesh, design.features(), Precision::Single).unwrap();
     design.camera.pixel_mm *= 160.0 / f64::from(pixels[0]);
     design.camera.pixels = pixels;
     (design, Scene::new(solid.mesh().clone()))

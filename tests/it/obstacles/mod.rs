@@ -40,7 +40,7 @@ accept.frame_filled = 0.1
 /// The mirror's mesh among the obstacles of its profile.
 fn scene(profile: &Profile, design: &Design) -> Scene {
     let face = meshed(profile, design).unwrap();
-    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single).unwrap();
+    let solid = Solid::from_face(&face.mesh, design.features(), Precision::Single).unwrap();
     let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
     Scene::new(solid.mesh().clone()).among(obstacles.map(Arc::new))
 }

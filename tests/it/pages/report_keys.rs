@@ -79,6 +79,8 @@ border_mm = 6
 corner_radius_mm = 2
 holes_mm = [[10.5, 8.5, 2]]
 marks_mm = [[-10.5, 8.5, 1]]";
+/// A blind hole from the base.
+const BLIND: &str = "[[hole]]\nat_mm = [[0, 2]]\ndiameter_mm = 1\ndepth_mm = 0.5\n";
 
 /// A leg beside the round mirror.
 const LEG: &str = "\
@@ -104,7 +106,7 @@ impl Runs {
         for (name, text) in [
             ("all", edited(SMALL, &[formats])),
             ("budget", edited(SMALL, &[lens, budget, ("\"stl\", \"obj\"", "\"obj\", \"csv\"")])),
-            ("valley", edited(SMALL, &[valley]) + unmet),
+            ("valley", edited(SMALL, &[valley]) + unmet + BLIND),
             ("given", GIVEN.into()),
             ("round", ROUND.into()),
             ("obstructed", format!("{ROUND}{LEG}")),

@@ -4,7 +4,10 @@ use crate::panels::arrangements;
 use crate::support::builds::parsed;
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::design;
-use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline};
+use morion::internals::geom::{
+    BlindHole, Border, Contour, Counterbore, DVec2, DVec3, Drilled, Hole, HoleBottom, HoleKind,
+    MetricThread, Outline, PartFeatures,
+};
 use morion::internals::mirror::Mirror;
 use morion::internals::profile::{Profile, SagGrid};
 use std::f64::consts::PI;
@@ -14,6 +17,13 @@ pub struct Case {
     pub name: String,
     pub mirror: Mirror,
     pub stock: Option<Border>,
+    pub blind: Vec<BlindHole>,
+}
+
+impl Case {
+    pub fn features(&self) -> PartFeatures<'_> {
+        PartFeatures { border: self.stock.as_ref(), blind_holes: &self.blind }
+    }
 }
 
 /// A profile whose mesh does not matter.
@@ -74,7 +84,12 @@ const GIVEN: [(&str, &str); 6] = [
 ];
 
 pub fn cases() -> Vec<Case> {
-    let bare = |name: &str, mirror: Mirror| Case { name: name.into(), mirror, stock: None };
+    let bare = |name: &str, mirror: Mirror| Case {
+        name: name.into(),
+        mirror,
+        stock: None,
+        blind: Vec::new(),
+    };
     let mut cases = Vec::new();
     for (name, edits) in STRIPS {
         cases.push(bare(name, designed(&profile(edits)).mirror));
@@ -111,7 +126,8 @@ part = { width_mm = 60, base_mm = 5 }
     ];
     for (name, contour) in stocked {
         let mirror = design(&shipped(name)).unwrap().mirror;
-        cases.push(Case { name: format!("{name}-stock"), mirror, stock: Some(stock(contour)) });
+        let name = format!("{name}-stock");
+        cases.push(Case { name, mirror, stock: Some(stock(contour)), blind: Vec::new() });
     }
     let pinhole = designed(&profile(&[CAMERA, FOLDED])).mirror;
     let contour = Contour::Rect { half: DVec2::new(45.0, 35.0), corner_mm: 3.0 };
@@ -119,6 +135,7 @@ part = { width_mm = 60, base_mm = 5 }
         name: "pinhole-folded-stock".into(),
         mirror: pinhole,
         stock: Some(stock(contour)),
+        blind: Vec::new(),
     });
     for (name, profile) in arrangements() {
         cases.push(bare(name, design(&profile).unwrap().mirror));
@@ -126,10 +143,53 @@ part = { width_mm = 60, base_mm = 5 }
     let mirror = design(&arrangements()[0].1).unwrap().mirror;
     let half = DVec2::new(60.0, 48.0);
     let mut stock = stock(Contour::Rect { half, corner_mm: 6.0 });
-    stock.holes = vec![Drilled { at: DVec2::new(54.0, 3.0), diameter_mm: 4.2 }];
+    stock.holes = vec![Hole::plain(DVec2::new(54.0, 3.0), 4.2)];
     stock.marks = vec![Drilled { at: DVec2::new(-53.0, 6.0), diameter_mm: 1.0 }];
-    cases.push(Case { name: "quarters-stock".into(), mirror, stock: Some(stock) });
+    let name = "quarters-stock".into();
+    cases.push(Case { name, mirror, stock: Some(stock), blind: Vec::new() });
+    cases.extend(drilled());
     cases
+}
+
+/// Blind holes of every kind below bare mirrors of every kind of surface, and bordered ones.
+fn drilled() -> Vec<Case> {
+    let bare = ["conquistador", "panoramic", "plane", "conical", "four-views"].map(|name| Case {
+        name: format!("{name}-drilled"),
+        mirror: design(&shipped(name)).unwrap().mirror,
+        stock: None,
+        blind: blind(),
+    });
+    let mut cases: Vec<Case> = bare.into();
+    for name in ["conquistador", "conical"] {
+        let mut stock = stock(Contour::Rect { half: DVec2::new(46.0, 42.0), corner_mm: 3.0 });
+        let [screw, chamfered] = &mut stock.holes[..] else { panic!("two holes") };
+        screw.counterbore = Some(Counterbore { diameter_mm: 7.0, depth_mm: 2.2 });
+        screw.kind = HoleKind::Screw(MetricThread::M4);
+        chamfered.chamfer_mm = 0.4;
+        let mirror = design(&shipped(name)).unwrap().mirror;
+        let name = format!("{name}-stock-drilled");
+        cases.push(Case { name, mirror, stock: Some(stock), blind: blind() });
+    }
+    cases
+}
+
+/// A threaded, a flat, a chamfered and a counterbored hole within 15 mm of the axis, less than 4 mm deep.
+fn blind() -> Vec<BlindHole> {
+    let hole = |x: f64, y: f64, diameter_mm: f64| Hole::plain(DVec2::new(x, y), diameter_mm);
+    let threaded = Hole {
+        kind: HoleKind::Thread { size: MetricThread::M2, depth_mm: Some(1.4) },
+        ..hole(10.0, 2.0, 1.6)
+    };
+    let counterbore = Some(Counterbore { diameter_mm: 4.0, depth_mm: 1.2 });
+    let dowel = Hole { kind: HoleKind::Dowel, chamfer_mm: 0.2, ..hole(1.0, -6.0, 2.0) };
+    let stepped = Hole { counterbore, chamfer_mm: 0.3, ..hole(-3.0, 5.0, 1.5) };
+    let drilled = |hole, depth_mm, bottom| BlindHole { hole, depth_mm, bottom };
+    vec![
+        drilled(threaded, 3.0, HoleBottom::DrillPoint),
+        drilled(hole(-10.0, -2.0, 5.0), 2.0, HoleBottom::Flat),
+        drilled(dowel, 2.5, HoleBottom::DrillPoint),
+        drilled(stepped, 2.4, HoleBottom::DrillPoint),
+    ]
 }
 
 /// Holes on the left and right of any mirror of 60 mm, and two marks.
@@ -138,7 +198,10 @@ fn stock(contour: Contour) -> Border {
     Border {
         contour,
         top_mm: 3.5,
-        holes: vec![drilled(36.0, 4.0, 4.2), drilled(-35.5, -3.0, 3.2)],
+        holes: vec![
+            Hole::plain(DVec2::new(36.0, 4.0), 4.2),
+            Hole::plain(DVec2::new(-35.5, -3.0), 3.2),
+        ],
         marks: vec![drilled(36.0, -6.0, 1.0), drilled(-35.0, 6.0, 2.0)],
         land: None,
     }

@@ -20,7 +20,9 @@ use morion::internals::export::Label;
 use morion::internals::export::step::{
     FitError, FittedMirror, StepSchema, fit_splines, write_step,
 };
-use morion::internals::geom::{Chart, Contour, DVec2, DVec3, Outline};
+use morion::internals::geom::{
+    BlindHole, Chart, Contour, Counterbore, DVec2, DVec3, Hole, HoleBottom, Outline, PartFeatures,
+};
 use morion::internals::mirror::Mirror;
 use morion::internals::profile::{Profile, SagGrid};
 use reading::{Curve, File, Surface, Value, height};
@@ -61,33 +63,64 @@ fn fitted(case: &Case) -> FittedMirror {
 
 fn written(case: &Case, fit: &FittedMirror) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_step(&mut bytes, fit, case.stock.as_ref(), &StepSchema::Ap214, &label(&case.name))
-        .unwrap();
+    write_step(&mut bytes, fit, case.features(), &StepSchema::Ap214, &label(&case.name)).unwrap();
     bytes
 }
 
 fn all() -> Vec<Case> {
     let shipped = SHIPPED.map(|name| {
         let mirror = design(&shipped(name)).unwrap().mirror;
-        Case { name: name.into(), mirror, stock: None }
+        Case { name: name.into(), mirror, stock: None, blind: Vec::new() }
     });
     shipped.into_iter().chain(cases()).collect()
 }
 
 /// What the body should hold: the mirror on its foot, and the stock in closed form.
 fn volume(case: &Case) -> f64 {
-    let mirror = case.mirror.volume();
+    let blind = case.blind.iter().map(|blind| hole_mm3(&blind.hole, blind.depth_mm, Some(blind)));
+    let mirror = case.mirror.volume() - blind.sum::<f64>();
     let Some(stock) = &case.stock else { return mirror };
     let contour = match stock.contour {
         Contour::Circle { radius_mm: r } => PI * r * r,
         Contour::Rect { half, corner_mm: r } => 4.0 * half.x * half.y - (4.0 - PI) * r * r,
     };
-    let radii = |drilled: &[morion::internals::geom::Drilled], of: fn(f64) -> f64| -> f64 {
-        drilled.iter().map(|d| of(0.5 * d.diameter_mm)).sum()
+    let holes = stock.holes.iter().map(|hole| hole_mm3(hole, stock.top_mm, None));
+    let cone = |d: &morion::internals::geom::Drilled| {
+        PI * d.diameter_mm * d.diameter_mm * d.diameter_mm / 24.0
     };
     mirror + stock.top_mm * (contour - footprint(&case.mirror, stock.top_mm))
-        - stock.top_mm * radii(&stock.holes, |r| PI * r * r)
-        - radii(&stock.marks, |r| PI * r * r * r / 3.0)
+        - holes.sum::<f64>()
+        - stock.marks.iter().map(cone).sum::<f64>()
+}
+
+/// A hole's volume: a cylinder up to `end_mm`, a counterbore's ring, what chamfers cut off the edges, and a drill's point.
+fn hole_mm3(hole: &Hole, end_mm: f64, blind: Option<&BlindHole>) -> f64 {
+    let (r, c) = (0.5 * hole.diameter_mm, hole.chamfer_mm);
+    // The ring between a cone of 45 degrees and the cylinder inside it: Pappus' theorem.
+    let ring = |r: f64| 2.0 * PI * (r + c / 3.0) * (0.5 * c * c);
+    let mut sum = PI * r * r * end_mm;
+    let mut mouth = r;
+    if let Some(Counterbore { diameter_mm, depth_mm }) = hole.counterbore {
+        mouth = 0.5 * diameter_mm;
+        sum += PI * (mouth * mouth - r * r) * depth_mm;
+    }
+    sum += ring(mouth);
+    match blind {
+        None => sum += ring(r),
+        Some(BlindHole { bottom: HoleBottom::DrillPoint, .. }) => {
+            let half_angle = 59.0 * PI / 180.0;
+            sum += PI * r * r * r / morion::internals::num::tan(half_angle) / 3.0;
+        }
+        Some(_) => {}
+    }
+    sum
+}
+
+/// Faces of a hole.
+fn hole_faces(hole: &Hole, is_blind: bool) -> usize {
+    let chamfers = usize::from(hole.chamfer_mm > 0.0);
+    let ends = if is_blind { chamfers + 1 } else { 2 * chamfers };
+    1 + ends + 2 * usize::from(hole.counterbore.is_some())
 }
 
 /// Whether the mirror is written as a surface of revolution.
@@ -120,6 +153,8 @@ fn faces(case: &Case) -> usize {
         Outline::Rect(_) => 2 + if mirror.chart.vergence == 0.0 { 4 } else { 6 },
         Outline::Ring { inner, .. } => 2 + usize::from(inner > 0.0),
     };
+    let blind = case.blind.iter().map(|blind| hole_faces(&blind.hole, true));
+    let own = own + blind.sum::<usize>();
     let Some(stock) = &case.stock else { return own + 1 };
     let contour = match stock.contour {
         Contour::Circle { .. } => 1,
@@ -128,7 +163,8 @@ fn faces(case: &Case) -> usize {
             8 - 2 * [half.x, half.y].iter().filter(|&&h| h == corner_mm).count()
         }
     };
-    own + 2 + contour + stock.holes.len() + stock.marks.len()
+    let holes = stock.holes.iter().map(|hole| hole_faces(hole, false));
+    own + 2 + contour + holes.sum::<usize>() + stock.marks.len()
 }
 
 #[test]
@@ -166,12 +202,11 @@ fn names(case: &Case, file: &File) {
         let mut found: Vec<usize> =
             told.iter().filter_map(|told| told.strip_prefix(what)?.parse().ok()).collect();
         found.sort_unstable();
+        found.dedup();
         found
     };
-    let through = stock.map_or(0, |stock| {
-        stock.holes.len() + stock.land.as_ref().map_or(0, |land| land.holes.len())
-    });
-    assert_eq!(numbered("HOLE_"), (1..=through).collect::<Vec<_>>(), "{}", case.name);
+    let holes = case.features().holes().count();
+    assert_eq!(numbered("HOLE_"), (1..=holes).collect::<Vec<_>>(), "{}", case.name);
     let marks = stock.map_or(0, |stock| stock.marks.len());
     assert_eq!(numbered("MARK_"), (1..=marks).collect::<Vec<_>>(), "{}", case.name);
     assert!(told.iter().all(|name| !name.is_empty()));
@@ -411,7 +446,7 @@ fn shipped_mirrors_take_few_bytes() {
 fn the_same_bytes_on_any_number_of_threads() {
     for name in ["conquistador", "plane", "conical"] {
         let mirror = design(&shipped(name)).unwrap().mirror;
-        let case = Case { name: name.into(), mirror, stock: None };
+        let case = Case { name: name.into(), mirror, stock: None, blind: Vec::new() };
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| written(&case, &fitted(&case)))
@@ -427,7 +462,7 @@ fn the_header_survives_any_name() {
     let fit = fit_splines(&mirror).unwrap();
     let name = format!("it's a\\b\n*/ENDSEC; \u{e9} {}", "long ".repeat(99));
     let mut bytes = Vec::new();
-    write_step(&mut bytes, &fit, None, &StepSchema::Ap214, &label(&name)).unwrap();
+    write_step(&mut bytes, &fit, PartFeatures::NONE, &StepSchema::Ap214, &label(&name)).unwrap();
     let file = File::parse(&bytes);
     assert!(file.header.contains("it''s a\\\\b?*/ENDSEC; ? long "));
     assert!(file.header.contains("FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"));

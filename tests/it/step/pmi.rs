@@ -13,7 +13,7 @@ use morion::internals::results::BuildReport;
 fn in_ap242(case: &Case, pmi: Pmi) -> Vec<u8> {
     let (schema, mut bytes) = (StepSchema::Ap242(pmi), Vec::new());
     let (fit, name) = (fitted(case), label(&case.name));
-    write_step(&mut bytes, &fit, case.stock.as_ref(), &schema, &name).unwrap();
+    write_step(&mut bytes, &fit, case.features(), &schema, &name).unwrap();
     bytes
 }
 

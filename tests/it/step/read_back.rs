@@ -49,7 +49,7 @@ fn meet(case: &Case, body: &Body, limit: f64) -> usize {
 /// The STEP file of a shipped mirror.
 fn file(name: &str) -> String {
     let mirror = design(&shipped(name)).unwrap().mirror;
-    let case = Case { name: name.into(), mirror, stock: None };
+    let case = Case { name: name.into(), mirror, stock: None, blind: Vec::new() };
     String::from_utf8(written(&case, &fitted(&case))).unwrap()
 }
 

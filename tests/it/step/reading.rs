@@ -255,8 +255,9 @@ impl File {
             }
             "CONICAL_SURFACE" => {
                 let (at, axis) = self.placement(a[1].id());
-                assert_eq!(axis, DVec3::Z);
-                Surface::Cone { at, radius: a[2].number(), angle: a[3].number() }
+                assert!(axis == DVec3::Z || axis == DVec3::NEG_Z, "{axis}");
+                // Its radius grows along the axis.
+                Surface::Cone { at, radius: a[2].number(), angle: a[3].number() * axis.z }
             }
             "B_SPLINE_SURFACE_WITH_KNOTS" => {
                 let axes = [Axis::new(&a[1], &a[8], &a[10]), Axis::new(&a[2], &a[9], &a[11])];

@@ -22,8 +22,12 @@ const MIRRORS: [&str; 9] = [
 
 fn scene(name: &str) -> (Design, BodyScene) {
     let design = design(&shipped(name)).unwrap();
-    let case =
-        Case { name: name.into(), mirror: design.mirror.clone(), stock: design.border.clone() };
+    let case = Case {
+        name: name.into(),
+        mirror: design.mirror.clone(),
+        stock: design.border.clone(),
+        blind: design.blind_holes.clone(),
+    };
     let body = Body::read(&written(&case, &fitted(&case))).unwrap();
     let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
     let scene = BodyScene::new(body, obstacles.map(Arc::new));
