@@ -126,7 +126,10 @@ pub(super) fn draw_surface(
     };
     let departs = format!("{sphere}departure {} mm", mm(facts.sphere_departure_mm));
     let rows = [
-        ("GS", "general surface (ISO 10110-19): mirror.step, sag.csv".to_owned()),
+        (
+            "GS",
+            "general surface (ISO 10110-19): STEP model and sag table of the profile".to_owned(),
+        ),
         ("sphere", format!("best fit {departs}")),
         ("3/", form),
         ("slope", slope),
@@ -152,7 +155,7 @@ pub(super) fn draw_notes(sheet: &mut Sheet, facts: &DrawingFacts, spec: &Drawing
         format!("Datum features: {}.", facts.pmi.datums.join(", ")),
         "Mirror: do not round or break its edges.".to_owned(),
         format!(
-            "Crosses in the plan: {} places to measure, inspection.csv.",
+            "Crosses in the plan: {} places to measure, as of the inspection's plan.",
             facts.inspection_points
         ),
     ];

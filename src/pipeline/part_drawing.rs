@@ -107,8 +107,9 @@ fn mirror_size(mirror: &Mirror) -> DVec2 {
 fn features(design: &Design) -> Vec<DrawnFeature> {
     let hole = |hole: NumberedHole| {
         let (diameter_mm, words) = (hole.hole.diameter_mm, hole.words());
-        // (The diameter has a column of its own.)
+        // (A plain diameter has a column of its own.)
         let plain = words.strip_prefix("diameter ").and_then(|rest| rest.split_once(", "));
+        let plain = plain.filter(|(diameter, _)| diameter.parse::<f64>().is_ok());
         let what = plain.map_or_else(|| words.clone(), |(_, rest)| rest.to_owned());
         let (name, at_mm) = (format!("H{}", hole.number), hole.at().to_array());
         DrawnFeature { name, at_mm, diameter_mm, what }

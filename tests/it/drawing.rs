@@ -4,7 +4,7 @@ use crate::support::builds::{SMALL, edited, folder, morion, save, told};
 use crate::support::shipped;
 use morion::internals::design::design;
 use morion::internals::pipeline::{Command, DrawingOptions, Silent};
-use morion::internals::profile::Shipped;
+use morion::internals::profile::{Profile, Shipped};
 use morion::internals::tolerance::{Engine, ToleranceSpec};
 use serde_json::Value;
 use std::path::Path;
@@ -124,4 +124,24 @@ fn a_dry_run_tells_the_length_of_a_drawing() {
     let built = told_json(&["build", "small.toml", "--format", "json"]);
     assert_eq!(foreseen["files"][1]["bytes"], built["files"][1]["bytes"]);
     assert_eq!(built["files"][1]["name"], "drawing.pdf");
+}
+
+#[test]
+fn holes_are_told_in_the_words_of_a_shop() {
+    let out = folder();
+    let text = include_str!("../fixtures/drilled.toml");
+    let profile = Profile::parse("drilled", "drilled.toml", text.as_bytes()).unwrap();
+    let report = DrawingOptions.publish(&profile, out.path(), &Silent).unwrap();
+    let told: Vec<(&str, f64, &str)> =
+        report.drawing.features.iter().map(|f| (&*f.name, f.diameter_mm, &*f.what)).collect();
+    assert_eq!(
+        told[0],
+        ("H1", 2.5, "M3 x 0.5 - 6H, 5 deep, pilot 2.5, 7 deep, chamfer 0.3 x 45 deg")
+    );
+    assert!(told[3].2.starts_with("diameter 3 H7"), "{told:?}");
+    assert_eq!(told[5], ("H6", 4.0, "6 deep, flat, counterbore 8, 2.2 deep"));
+    let shown = shown(&std::fs::read(out.path().join("drilled/drawing.pdf")).unwrap());
+    for (name, _, what) in told {
+        assert!(shown.iter().any(|line| line == name) && shown.iter().any(|line| line == what));
+    }
 }
