@@ -276,7 +276,7 @@ mod tests {
         let blind_holes = [
             blind(hole(0.0, 0.0, None, 0.0), HoleBottom::DrillPoint),
             blind(hole(0.5, -0.5, wide, 0.05), HoleBottom::DrillPoint),
-            blind(hole(-0.4, 0.4, None, 0.1), HoleBottom::Flat),
+            blind(hole(-0.55, 0.55, None, 0.1), HoleBottom::Flat),
         ];
         let mut plate = plate(&[], &[[-2.0, 0.0, 0.3]]);
         plate.holes = vec![hole(2.0, 0.0, wide, 0.1), hole(2.0, 2.0, None, 0.0)];

@@ -153,7 +153,7 @@ part = { width_mm = 60, base_mm = 5 }
 
 /// Blind holes of every kind below bare mirrors of every kind of surface, and bordered ones.
 fn drilled() -> Vec<Case> {
-    let bare = ["conquistador", "panoramic", "plane", "conical", "four-views"].map(|name| Case {
+    let bare = ["conquistador", "plane", "conical", "four-views"].map(|name| Case {
         name: format!("{name}-drilled"),
         mirror: design(&shipped(name)).unwrap().mirror,
         stock: None,
