@@ -83,10 +83,12 @@ def step(path, facts):
     searched = IntCurvesFace_ShapeIntersector()
     searched.Load(shape, 1e-9)
     for x, y, z in facts["sag_mm"]:
-        # (A rim is met from within; what is beside the axis is off its edges.)
-        line = gp_Lin(gp_Pnt(x * (1 - 1e-9) + 1e-7, y * (1 - 1e-9) + 2e-7, above), gp_Dir(0, 0, -1))
-        searched.Perform(line, 0.0, 2 * above)
-        heights = [searched.Pnt(k).Z() for k in range(1, searched.NbPnt() + 1)]
+        heights = []
+        # (A rim is met from within, a step between panels from either side, and the axis beside the faces' edges.)
+        for u, v in [(1e-7, 2e-7), (-1e-7, 2e-7), (1e-7, -2e-7), (-1e-7, -2e-7)]:
+            line = gp_Lin(gp_Pnt(x * (1 - 1e-9) + u, y * (1 - 1e-9) + v, above), gp_Dir(0, 0, -1))
+            searched.Perform(line, 0.0, 2 * above)
+            heights += [searched.Pnt(k).Z() for k in range(1, searched.NbPnt() + 1)]
         if not any(abs(height - z) < MICROMETRE for height in heights):
             bad.append(f"sag at {x}, {y}: {z}, {heights} in the STEP file")
     # (Its box is sampled, and may be some micrometres too low.)
