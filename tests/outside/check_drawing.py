@@ -86,7 +86,7 @@ def step(path, facts):
         heights = []
         # (A rim is met from within, a step between panels from either side, and the axis beside the faces' edges.)
         for u, v in [(1e-7, 2e-7), (-1e-7, 2e-7), (1e-7, -2e-7), (-1e-7, -2e-7)]:
-            line = gp_Lin(gp_Pnt(x * (1 - 1e-9) + u, y * (1 - 1e-9) + v, above), gp_Dir(0, 0, -1))
+            line = gp_Lin(gp_Pnt(x * (1 - 1e-6) + u, y * (1 - 1e-6) + v, above), gp_Dir(0, 0, -1))
             searched.Perform(line, 0.0, 2 * above)
             heights += [searched.Pnt(k).Z() for k in range(1, searched.NbPnt() + 1)]
         if not any(abs(height - z) < MICROMETRE for height in heights):
