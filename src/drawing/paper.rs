@@ -221,7 +221,12 @@ mod tests {
                     );
                     let [x, y, z] = size.map(|mm| mm * layout.scale.factor());
                     let Area { left, right, high, .. } = layout.frame;
-                    assert!(layout.plan[0] - 0.5 * x > left && layout.section_x0[0] + z < right);
+                    let [base, plan] = [layout.section_x0[0], layout.plan[0]];
+                    let (from, to) = match arrangement {
+                        ViewArrangement::FirstAngle => (base, base + z),
+                        ViewArrangement::ThirdAngle => (base - z, base),
+                    };
+                    assert!(plan - 0.5 * x > left && plan + 0.5 * x < from && to < right);
                     let top = (layout.plan[1] + 0.5 * y).max(layout.section_y0[1] + z);
                     assert!(top < high && layout.plan[1] - 0.5 * y > layout.tables.high);
                     assert!(layout.section_y0[1] > layout.tables.high, "{layout:?}");

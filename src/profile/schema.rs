@@ -60,7 +60,6 @@ const RARE: &[&str] = &[
     "chamfer_mm",
     "sag",
     "step",
-    "drawing",
     "paper",
     "revision",
     "imperfections",
