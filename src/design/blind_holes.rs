@@ -94,26 +94,10 @@ struct Above<'a> {
 }
 
 impl Above<'_> {
-    /// Places along the mirror's rim, counter-clockwise, mm.
+    /// Places along the mirror's outer rim, counter-clockwise, mm.
     fn rim(&self) -> Vec<DVec3> {
-        let outline = self.mirror.full_outline();
-        let places: Vec<DVec2> = match outline {
-            Outline::Ring { outer, .. } => {
-                let turn = |k: usize| std::f64::consts::TAU * k as f64 / (4 * STEPS) as f64;
-                let place = |angle| DVec2::new(crate::num::cos(angle), crate::num::sin(angle));
-                (0..4 * STEPS).map(|k| outer * place(turn(k))).collect()
-            }
-            Outline::Rect(rect) => {
-                let (min, max) = (rect.min, rect.max);
-                let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-                let side = |k: usize| {
-                    let [from, to] = [corners[k], corners[(k + 1) % 4]];
-                    (0..STEPS).map(move |j| from.lerp(to, j as f64 / STEPS as f64))
-                };
-                (0..4).flat_map(side).collect()
-            }
-        };
-        places.into_iter().map(|q| self.on_mirror(q)).collect()
+        let outer = self.mirror.full_outline().rims(STEPS).swap_remove(0);
+        outer.into_iter().map(|q| self.on_mirror(q)).collect()
     }
 
     fn on_mirror(&self, q: DVec2) -> DVec3 {

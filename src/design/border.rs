@@ -1,7 +1,7 @@
 //! The material around a mirror, once its outline is known.
 
 use super::DesignError;
-use crate::geom::{Border, DVec2, Drilled, Hole, Land, Outline, Rect};
+use crate::geom::{Border, Contour, DVec2, Drilled, Hole, Land, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::rounding::significant;
 use crate::num::{cos, radians, sin};
@@ -142,6 +142,16 @@ fn land(mirror: &Mirror, hole: &Hole) -> Result<f64, DesignError> {
 /// X and Y of the point of `mirror` at `q` of its chart.
 fn plan(mirror: &Mirror, q: DVec2) -> DVec2 {
     mirror.position(q, &mirror.row(q.y).at(q.x)).truncate()
+}
+
+/// The rectangle along X and Y around a part, mm.
+pub(super) fn plan_bounds(mirror: &Mirror, border: Option<&Border>) -> Rect {
+    let half = match border.map(|border| border.contour) {
+        Some(Contour::Rect { half, .. }) => half,
+        Some(Contour::Circle { radius_mm }) => DVec2::splat(radius_mm),
+        None => return extent(mirror, 0.0),
+    };
+    Rect { min: -half, max: half }
 }
 
 /// The rectangle along X and Y around the mirror and the foot of its skirt, which is at height `foot_mm`.

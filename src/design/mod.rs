@@ -40,9 +40,7 @@ pub use remedy::{KeyChange, KeyValue, LesserError, MOST_TRIALS, Remedy, lesser_e
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
-use crate::geom::{
-    BlindHole, Border, Contour, DVec2, DatumScheme, Obstacle, Outline, PartFeatures, Rect,
-};
+use crate::geom::{BlindHole, Border, Contour, DatumScheme, Obstacle, Outline, PartFeatures, Rect};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, MethodKind, Profile, ProjectionSpec, ShapeSpec};
@@ -87,12 +85,7 @@ impl Design {
     /// The rectangle along X and Y around the part, mm.
     #[must_use]
     pub fn plan_bounds(&self) -> Rect {
-        let around = |half: DVec2| Rect { min: -half, max: half };
-        match self.border.as_ref().map(|border| border.contour) {
-            Some(Contour::Rect { half, .. }) => around(half),
-            Some(Contour::Circle { radius_mm }) => around(DVec2::splat(radius_mm)),
-            None => border::extent(&self.mirror, 0.0),
-        }
+        border::plan_bounds(&self.mirror, self.border.as_ref())
     }
 
     /// The faces of the part from which a shop sets it up.

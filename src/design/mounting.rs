@@ -5,7 +5,7 @@
 //! shortest turn carries these axes to. Elevations count towards +Z, and azimuths from +Y to +X.
 
 use super::border;
-use crate::geom::{Border, Contour, DVec2, DVec3};
+use crate::geom::{Border, DVec3};
 use crate::mirror::Mirror;
 use crate::num::{acos, degrees};
 use crate::optics::{Camera, ImagingTask, Target};
@@ -43,11 +43,7 @@ impl Mounting {
         top_mm: f64,
     ) -> Self {
         let on_axis = |z: f64| [0.0, 0.0, z];
-        let size = match border.map(|border| border.contour) {
-            Some(Contour::Rect { half, .. }) => 2.0 * half,
-            Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
-            None => border::extent(mirror, 0.0).size(),
-        };
+        let size = border::plan_bounds(mirror, border).size();
         let origin = |view: &ImagingTask| match &view.target {
             Target::Infinity => None,
             Target::Cylinder { .. } | Target::Plane { .. } => Some(on_axis(view.origin_mm)),

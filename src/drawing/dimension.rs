@@ -1,6 +1,6 @@
 //! Dimensions, leaders, datum features and tolerance frames (ISO 129-1, ISO 1101, ISO 5459).
 
-use crate::sheet::{Dashes, Pen, Sheet, SheetColour, TextAlign};
+use crate::sheet::{Dashes, Pen, Sheet, SheetColour, TextAlign, TextWay};
 
 /// Lines of the part, and all others (ISO 128-2: twice as wide).
 pub(super) const WIDE: Pen = Pen::black(0.5);
@@ -40,43 +40,49 @@ pub(super) fn arrow(sheet: &mut Sheet, tip: [f64; 2], [u, v]: [f64; 2]) {
 }
 
 /// A dimension between two X on the line at height `at`, of edges that end at height `from`.
-pub(super) fn level(sheet: &mut Sheet, [left, right]: [f64; 2], [from, at]: [f64; 2], text: &str) {
-    let away = (at - from).signum();
-    for x in [left, right] {
-        sheet.strokes(vec![[x, from + away * GAP], [x, at + away * PAST]], NARROW);
-    }
-    let wide = Sheet::width_of(text, TEXT);
-    let is_inside = right - left >= wide + 2.0 * ARROW[0] + 1.0;
-    let (ends, start) = if is_inside {
-        ([left, right], 0.5 * (left + right))
-    } else {
-        ([left - OUTSIDE, right + OUTSIDE + wide], right + OUTSIDE + 0.5 * wide)
-    };
-    sheet.strokes(ends.map(|x| [x, at]).to_vec(), NARROW);
-    let way = if is_inside { 1.0 } else { -1.0 };
-    arrow(sheet, [left, at], [-way, 0.0]);
-    arrow(sheet, [right, at], [way, 0.0]);
-    sheet.text([start, at + OVER], TEXT, text, TextAlign::Centre);
+pub(super) fn level(sheet: &mut Sheet, ends: [f64; 2], lines: [f64; 2], text: &str) {
+    dimension(sheet, TextWay::Across, ends, lines, text);
 }
 
 /// A dimension between two Y on the line at `at`, of edges that end at `from`.
-pub(super) fn upright(sheet: &mut Sheet, [low, high]: [f64; 2], [from, at]: [f64; 2], text: &str) {
+pub(super) fn upright(sheet: &mut Sheet, ends: [f64; 2], lines: [f64; 2], text: &str) {
+    dimension(sheet, TextWay::Up, ends, lines, text);
+}
+
+/// A dimension in one way, whose figure is over its line, or beyond it where there is no room between its arrows.
+fn dimension(
+    sheet: &mut Sheet,
+    way: TextWay,
+    [low, high]: [f64; 2],
+    [from, at]: [f64; 2],
+    text: &str,
+) {
+    let place = |along: f64, across: f64| match way {
+        TextWay::Across => [along, across],
+        TextWay::Up => [across, along],
+    };
     let away = (at - from).signum();
-    for y in [low, high] {
-        sheet.strokes(vec![[from + away * GAP, y], [at + away * PAST, y]], NARROW);
+    for end in [low, high] {
+        let line = [place(end, from + away * GAP), place(end, at + away * PAST)];
+        sheet.strokes(line.to_vec(), NARROW);
     }
     let wide = Sheet::width_of(text, TEXT);
     let is_inside = high - low >= wide + 2.0 * ARROW[0] + 1.0;
-    let (ends, start) = if is_inside {
+    let (ends, middle) = if is_inside {
         ([low, high], 0.5 * (low + high))
     } else {
         ([low - OUTSIDE, high + OUTSIDE + wide], high + OUTSIDE + 0.5 * wide)
     };
-    sheet.strokes(ends.map(|y| [at, y]).to_vec(), NARROW);
-    let way = if is_inside { 1.0 } else { -1.0 };
-    arrow(sheet, [at, low], [0.0, -way]);
-    arrow(sheet, [at, high], [0.0, way]);
-    sheet.text_up([at - OVER, start], TEXT, text, TextAlign::Centre);
+    sheet.strokes(ends.map(|end| place(end, at)).to_vec(), NARROW);
+    let outwards = if is_inside { 1.0 } else { -1.0 };
+    arrow(sheet, place(low, at), place(-outwards, 0.0));
+    arrow(sheet, place(high, at), place(outwards, 0.0));
+    // Letters that run upwards stand to the left of their line.
+    let over = match way {
+        TextWay::Across => at + OVER,
+        TextWay::Up => at - OVER,
+    };
+    sheet.text_along(way, place(middle, over), TEXT, text, TextAlign::Centre);
 }
 
 /// A leader from a place of the part to a text on a shelf that goes to the right.

@@ -11,7 +11,7 @@ mod views;
 
 pub use paper::DrawingScale;
 
-use crate::geom::DVec2;
+use crate::geom::{DVec2, DatumScheme};
 use crate::profile::{Profile, ViewArrangement};
 use crate::render::{AxialPlane, PartSection};
 use crate::results::DrawingFacts;
@@ -25,6 +25,8 @@ use views::ViewPainter;
 #[derive(Debug, Clone)]
 pub struct DrawnPart {
     solid: Solid,
+    /// Datum features.
+    datums: DatumScheme,
     /// Sections through Y = 0 and X = 0.
     sections: [PartSection; 2],
     /// Circles in the plan, each with its centre and radius, mm.
@@ -34,12 +36,17 @@ pub struct DrawnPart {
 }
 
 impl DrawnPart {
-    /// The lines of a closed part, with those circles in its plan and those places to measure, mm.
+    /// The lines of a closed part with these datum features, those circles in its plan and those places to measure, mm.
     #[must_use]
-    pub fn new(solid: Solid, circles: Vec<(DVec2, f64)>, inspected: Vec<DVec2>) -> Self {
+    pub fn new(
+        solid: Solid,
+        datums: DatumScheme,
+        circles: Vec<(DVec2, f64)>,
+        inspected: Vec<DVec2>,
+    ) -> Self {
         let sections =
             [AxialPlane::Y0, AxialPlane::X0].map(|plane| PartSection::new(solid.mesh(), plane));
-        Self { solid, sections, circles, inspected }
+        Self { solid, datums, sections, circles, inspected }
     }
 }
 
@@ -61,7 +68,8 @@ pub fn drawn(profile: &Profile, facts: &DrawingFacts, part: &DrawnPart) -> Sheet
     let mut sheet = Sheet::new(layout.size_mm);
     title_block::draw_title(&mut sheet, &layout, facts, spec, [&profile.name, &profile.sha256]);
     tables::draw_tables(&mut sheet, facts, &layout.tables);
-    tables::draw_surface(&mut sheet, facts, spec, &layout.surface);
+    let letters: Vec<char> = part.datums.lettered().map(|(letter, _)| letter).collect();
+    tables::draw_surface(&mut sheet, facts, (spec, &letters), &layout.surface);
     tables::draw_notes(&mut sheet, facts, spec, &layout.notes);
     let arrangement: ViewArrangement = spec.arrangement;
     let edges = PartEdges::new(&part.solid);

@@ -105,12 +105,11 @@ fn widths(rows: &[Vec<String>]) -> Vec<f64> {
 pub(super) fn draw_surface(
     sheet: &mut Sheet,
     facts: &DrawingFacts,
-    spec: &DrawingSpec,
+    (spec, letters): (&DrawingSpec, &[char]),
     area: &Area,
 ) {
     let dash = |text: &str| if text.is_empty() { "-".to_owned() } else { text.to_owned() };
-    let letters: Vec<&str> = facts.pmi.datums.iter().filter_map(|datum| datum.get(..1)).collect();
-    let letters = letters.join(", ");
+    let letters = letters.iter().map(char::to_string).collect::<Vec<_>>().join(", ");
     let form = facts.pmi.surface_profile_mm.map_or("-".to_owned(), |zone| {
         format!("-({}) mm: profile within {} mm to {letters}", mm(zone), mm(zone))
     });

@@ -13,7 +13,14 @@ const FIELD: f64 = 3.2;
 const LEAST: f64 = 1.2;
 
 /// A field: its caption and what stands in it.
-type Field<'a> = (&'a str, String);
+type Field<'a> = (&'a str, FieldContent);
+
+/// What stands in a field.
+enum FieldContent {
+    Text(String),
+    /// The symbol of an arrangement of views.
+    Views(ViewArrangement),
+}
 
 /// Draws the paper's frame and the title block.
 pub(super) fn draw_title(
@@ -21,77 +28,88 @@ pub(super) fn draw_title(
     layout: &PaperLayout,
     facts: &DrawingFacts,
     spec: &DrawingSpec,
-    [profile, sha256]: [&str; 2],
+    profile: [&str; 2],
 ) {
     let Area { left, low, right, high } = layout.frame;
     sheet.frame([left, low], [right, high], 0.7);
     centre_marks(sheet, layout);
-    let TitleBlock { owner, number, revision, title, creator, approver, date } = spec.title.clone();
-    let title = if title.is_empty() { profile.to_owned() } else { title };
-    let short = sha256.get(..16).unwrap_or(sha256);
-    let rows: [(f64, Vec<(f64, Field)>); 4] = [
-        (
-            9.0,
-            vec![
-                (0.5, ("Material", spec.material.clone())),
-                (0.5, ("Document type", "Part drawing of a mirror".into())),
-            ],
-        ),
-        (
-            9.0,
-            vec![
-                (0.35, ("Creator", creator)),
-                (0.35, ("Approval person", approver)),
-                (0.3, ("Date of issue", date)),
-            ],
-        ),
-        (
-            16.0,
-            vec![
-                (0.32, ("Legal owner", owner)),
-                (0.44, ("Title", title)),
-                (0.24, ("Identification number", number)),
-            ],
-        ),
-        (
-            14.0,
-            vec![
-                (0.14, ("Scale", facts.scale.clone())),
-                (0.16, ("Projection", String::new())),
-                (0.1, ("Paper", facts.paper.clone())),
-                (0.26, (PROFILE, format!("{profile} {short}"))),
-                (0.1, ("Rev.", revision)),
-                (0.1, ("Sheet", "1/1".into())),
-                (0.14, ("Unit", "mm".into())),
-            ],
-        ),
-    ];
     let block = layout.title;
     sheet.frame([block.left, block.low], [block.right, block.high], WIDE.width_mm);
     let mut top = block.high;
-    for (height, fields) in rows {
+    for (height, fields) in rows(facts, spec, profile) {
         let mut x = block.left;
         for (share, field) in fields {
             let cell =
                 Area { left: x, low: top - height, right: x + share * block.width(), high: top };
             draw_field(sheet, &cell, &field);
-            if field.0 == "Projection" {
-                draw_symbol(sheet, &cell, spec.arrangement);
-            }
             x = cell.right;
         }
         top -= height;
     }
 }
 
+/// The rows of fields, each with its height, mm, and the share of the width that each field takes. The profile is its name and
+/// its SHA-256.
+fn rows<'a>(
+    facts: &DrawingFacts,
+    spec: &DrawingSpec,
+    [profile, sha256]: [&str; 2],
+) -> [(f64, Vec<(f64, Field<'a>)>); 4] {
+    let TitleBlock { owner, number, revision, title, creator, approver, date } = spec.title.clone();
+    let title = if title.is_empty() { profile.to_owned() } else { title };
+    let short = sha256.get(..16).unwrap_or(sha256);
+    let text = FieldContent::Text;
+    [
+        (
+            9.0,
+            vec![
+                (0.5, ("Material", text(spec.material.clone()))),
+                (0.5, ("Document type", text("Part drawing of a mirror".into()))),
+            ],
+        ),
+        (
+            9.0,
+            vec![
+                (0.35, ("Creator", text(creator))),
+                (0.35, ("Approval person", text(approver))),
+                (0.3, ("Date of issue", text(date))),
+            ],
+        ),
+        (
+            16.0,
+            vec![
+                (0.32, ("Legal owner", text(owner))),
+                (0.44, ("Title", text(title))),
+                (0.24, ("Identification number", text(number))),
+            ],
+        ),
+        (
+            14.0,
+            vec![
+                (0.14, ("Scale", text(facts.scale.clone()))),
+                (0.16, ("Projection", FieldContent::Views(spec.arrangement))),
+                (0.1, ("Paper", text(facts.paper.clone()))),
+                (0.26, (PROFILE, text(format!("{profile} {short}")))),
+                (0.1, ("Rev.", text(revision))),
+                (0.1, ("Sheet", text("1/1".into()))),
+                (0.14, ("Unit", text("mm".into()))),
+            ],
+        ),
+    ]
+}
+
 /// Caption of the profile that the figures are of.
 const PROFILE: &str = "Profile, SHA-256";
 
 /// A cell with its caption in the upper corner and the text at the foot, smaller where it is long.
-fn draw_field(sheet: &mut Sheet, cell: &Area, (caption, text): &Field) {
+fn draw_field(sheet: &mut Sheet, cell: &Area, (caption, content): &Field) {
     sheet.frame([cell.left, cell.low], [cell.right, cell.high], NARROW.width_mm);
     let inside = cell.left + 1.0;
     sheet.text([inside, cell.high - CAPTION - 0.4], CAPTION, caption, TextAlign::Left);
+    let text = match content {
+        FieldContent::Text(text) => text,
+        FieldContent::Views(arrangement) => return draw_symbol(sheet, cell, *arrangement),
+    };
     let wide = Sheet::width_of(text, 1.0);
     let size = if wide > 0.0 { ((cell.width() - 2.0) / wide).clamp(LEAST, FIELD) } else { FIELD };
     sheet.text([inside, cell.low + 1.4], size, text, TextAlign::Left);

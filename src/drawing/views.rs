@@ -8,7 +8,7 @@ use super::dimension::{
 use super::lines::{Segment, joined};
 use super::paper::{Area, PaperLayout};
 use super::part_edges::{PartEdges, ViewFrame};
-use crate::geom::{DVec2, DVec3};
+use crate::geom::{DVec2, DVec3, DatumFeature};
 use crate::num::{cos, sin};
 use crate::profile::ViewArrangement;
 use crate::render::{AxialPlane, PartSection};
@@ -85,14 +85,6 @@ impl ViewPainter<'_> {
             right: x + scale * (u + wide),
             high: y + scale * (v + high),
         }
-    }
-
-    /// The letters of the datum features and what each is.
-    fn datums(&self) -> impl Iterator<Item = (char, &str)> {
-        self.facts.pmi.datums.iter().filter_map(|words| {
-            let (letter, feature) = words.split_once(' ')?;
-            Some((letter.chars().next()?, feature))
-        })
     }
 
     /// The plan, from the camera's side.
@@ -182,25 +174,26 @@ impl ViewPainter<'_> {
     /// Datum features that the plan shows: sides, a round outside and holes.
     fn plan_datums(&self, sheet: &mut Sheet, view: &View) {
         let rim = self.rim();
-        for (letter, feature) in self.datums() {
+        for (letter, feature) in self.part.datums.lettered() {
             match feature {
-                "side towards -Y" => {
+                DatumFeature::Base => {}
+                DatumFeature::FrontSide => {
                     let x = rim.left + 0.8 * rim.width();
                     datum(sheet, [x, rim.low], [0.0, -1.0], letter);
                 }
-                "side towards -X" => {
+                DatumFeature::LeftSide => {
                     let y = rim.low + 0.15 * rim.height();
                     datum(sheet, [rim.left, y], [-1.0, 0.0], letter);
                 }
-                "round outside" => {
+                DatumFeature::Outside => {
                     let way = std::f64::consts::FRAC_1_SQRT_2;
                     let [x, y] = rim.middle().map(|at| at - way * 0.5 * rim.width());
                     let at = [x, y];
                     datum(sheet, at, [-way, -way], letter);
                 }
-                hole => {
-                    let number = hole.strip_prefix("hole ").map(|k| format!("H{k}"));
-                    let named = |f: &&DrawnFeature| Some(&f.name) == number.as_ref();
+                DatumFeature::Hole(k) => {
+                    let name = DrawnFeature::hole_name(k);
+                    let named = |f: &&DrawnFeature| f.name == name;
                     if let Some(hole) = self.facts.features.iter().find(named) {
                         let at = view.at(DVec2::from_array(hole.at_mm));
                         let out = outwards(hole.at_mm, -0.3);
@@ -251,7 +244,8 @@ impl ViewPainter<'_> {
             let way = [tip[0] - knee[0], tip[1] - knee[1]];
             let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
             arrow(sheet, tip, way.map(|w| w / length));
-            let letters: Vec<char> = self.datums().map(|(letter, _)| letter).collect();
+            let letters: Vec<char> =
+                self.part.datums.lettered().map(|(letter, _)| letter).collect();
             profile_tolerance(sheet, knee, &mm(zone), &letters);
         }
         self.caption(sheet, [x, base - 12.5], "A-A");

@@ -108,6 +108,29 @@ impl Outline {
         }
     }
 
+    /// Its rims, the outer one first, counter-clockwise, each as so many places a side or a quarter of a turn.
+    #[must_use]
+    pub fn rims(&self, places: usize) -> Vec<Vec<DVec2>> {
+        let share = |k: usize| k as f64 / places as f64;
+        match *self {
+            Self::Rect(Rect { min, max }) => {
+                let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
+                let side = |k: usize| {
+                    let (from, to) = (corners[k], corners[(k + 1) % 4]);
+                    (0..places).map(move |j| from.lerp(to, share(j)))
+                };
+                vec![(0..4).flat_map(side).collect()]
+            }
+            Self::Ring { inner, outer } => {
+                let round = |radius: f64| {
+                    let turns = (0..4 * places).map(|k| 0.5 * PI * share(k));
+                    turns.map(|turn| DVec2::new(cos(turn), sin(turn)) * radius).collect()
+                };
+                [outer, inner].into_iter().filter(|radius| *radius > 0.0).map(round).collect()
+            }
+        }
+    }
+
     /// Samples of the region, the rim among them, and their weights (mm^2; they sum to the area),
     /// which integrate smooth functions: Clenshaw and Curtis' rule for `n` steps (an even number)
     /// in each direction, for rings along each of n / 4 radii (at least 4). Lines of n + 1 points in

@@ -92,6 +92,17 @@ impl NumberedHole {
     /// `M3 x 0.5 - 6H, 6 deep, pilot 2.5, 8 deep`.
     #[must_use]
     pub fn words(&self) -> String {
+        match self.hole.kind {
+            HoleKind::Plain => {
+                format!("diameter {}, {}", figure(self.hole.diameter_mm), self.remarks())
+            }
+            _ => self.remarks(),
+        }
+    }
+
+    /// The same beside the diameter of a plain hole.
+    #[must_use]
+    pub fn remarks(&self) -> String {
         let Hole { diameter_mm, kind, counterbore, chamfer_mm, .. } = self.hole;
         let deep = |depth: Option<f64>| match depth {
             Some(depth) => format!("{} deep", figure(depth)),
@@ -100,7 +111,7 @@ impl NumberedHole {
         let depth = deep(self.blind.map(|(depth, _)| depth));
         let drilled = figure(diameter_mm);
         let mut words = match kind {
-            HoleKind::Plain => format!("diameter {drilled}, {depth}"),
+            HoleKind::Plain => depth,
             HoleKind::Thread { size, depth_mm } => match (depth_mm, self.blind) {
                 (None, None) => format!("{size} - 6H, through, pilot {drilled}"),
                 (thread, _) => {

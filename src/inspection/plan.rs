@@ -50,8 +50,7 @@ pub fn plan_points(mirror: &Mirror, degree: usize, margin_mm: f64) -> Inspection
     let across = (PER_DEGREE * (degree.min(MOST_DEGREE) + 1)) as f64;
     let spacing_mm = mirror.full_outline().bounds().size().max_element() / across;
     let points = mirror.panels().into_iter().flat_map(|panel| {
-        let rim: Vec<DVec3> =
-            rim(panel.outline).into_iter().map(|q| touched(&panel, q).at).collect();
+        let rim = rims_of(&panel).concat();
         let places = match panel.outline {
             Outline::Rect(rect) => rows(rect, spacing_mm),
             Outline::Ring { inner, outer } => rings(inner, outer, spacing_mm),
@@ -63,16 +62,18 @@ pub fn plan_points(mirror: &Mirror, degree: usize, margin_mm: f64) -> Inspection
     InspectionPlan { points: points.collect(), spacing_mm }
 }
 
-/// The rims of the mirror's panels, closed, mm.
+/// The rims of the mirror's panels, each a closed line, mm.
 #[must_use]
 pub fn rims(mirror: &Mirror) -> Vec<Vec<DVec3>> {
-    let of = |panel: &Mirror| {
-        let mut rim: Vec<DVec3> =
-            rim(panel.outline).into_iter().map(|q| touched(panel, q).at).collect();
-        rim.extend(rim.first().copied());
-        rim
-    };
-    mirror.panels().iter().map(of).collect()
+    let mut rims: Vec<Vec<DVec3>> = mirror.panels().iter().flat_map(rims_of).collect();
+    rims.iter_mut().for_each(|rim| rim.extend(rim.first().copied()));
+    rims
+}
+
+/// Places along each rim of a panel, mm.
+fn rims_of(panel: &Mirror) -> Vec<Vec<DVec3>> {
+    let on_mirror = |rim: Vec<DVec2>| rim.into_iter().map(|q| touched(panel, q).at).collect();
+    panel.outline.rims(RIM_PLACES).into_iter().map(on_mirror).collect()
 }
 
 fn touched(mirror: &Mirror, q: DVec2) -> PlannedPoint {
@@ -109,29 +110,4 @@ fn rings(inner: f64, outer: f64, spacing_mm: f64) -> Vec<DVec2> {
         })
     };
     (0..count).flat_map(ring).collect()
-}
-
-/// Places all along a rim.
-fn rim(outline: Outline) -> Vec<DVec2> {
-    let share = |k: usize| k as f64 / RIM_PLACES as f64;
-    match outline {
-        Outline::Rect(Rect { min, max }) => {
-            let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-            let side = |k: usize| {
-                let (from, to) = (corners[k], corners[(k + 1) % 4]);
-                (0..RIM_PLACES).map(move |j| from.lerp(to, share(j)))
-            };
-            (0..4).flat_map(side).collect()
-        }
-        Outline::Ring { inner, outer } => {
-            let radii = [outer, inner].into_iter().filter(|radius| *radius > 0.0);
-            let round = |radius: f64| {
-                (0..4 * RIM_PLACES).map(move |k| {
-                    let turn = 0.25 * TAU * share(k);
-                    DVec2::new(cos(turn), sin(turn)) * radius
-                })
-            };
-            radii.flat_map(round).collect()
-        }
-    }
 }

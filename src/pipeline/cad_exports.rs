@@ -35,13 +35,12 @@ pub(super) fn cad_exports<'a>(
         match format {
             CadFormat::Csv => exports.push(Box::new(SagExport { design, form, path })),
             CadFormat::Step => exports.push(Box::new(StepExport::new(profile, design)?)),
-            CadFormat::Pdf | CadFormat::Dxf => {
+            CadFormat::Drawing(format) => {
                 let drawing = match &mut drawing {
                     Some(drawing) => drawing,
                     none => none.insert(PartDrawing::new(profile, design, form)?),
                 };
-                let file = DrawingExport::new(profile, drawing, format);
-                exports.extend(file.map(|file| Box::new(file) as Box<dyn CadExport + 'a>));
+                exports.push(Box::new(DrawingExport::new(profile, drawing, format)));
             }
         }
     }

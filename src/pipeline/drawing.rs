@@ -4,7 +4,7 @@ use super::part_drawing::PartDrawing;
 use super::run::{Command, Run};
 use super::{Error, Stage};
 use crate::mirror::Form;
-use crate::profile::CadFormat;
+use crate::profile::{CadFormat, DrawingFormat};
 use crate::report::Answer;
 use crate::results::{DrawingReport, FileFacts, SCHEMA};
 
@@ -23,11 +23,8 @@ impl Command for DrawingOptions {
             let note = format!("{}, {}", drawing.facts.paper, drawing.facts.scale);
             Ok((drawing, note))
         })?;
-        let formats = [CadFormat::Pdf, CadFormat::Dxf];
-        let files: Vec<(CadFormat, Vec<u8>)> = formats
-            .into_iter()
-            .filter_map(|format| Some((format, drawing.file(profile, format)?)))
-            .collect();
+        let files = [DrawingFormat::Pdf, DrawingFormat::Dxf]
+            .map(|format| (CadFormat::Drawing(format), drawing.file(profile, format)));
         let facts = |(format, bytes): &(CadFormat, Vec<u8>)| {
             FileFacts::of(format.file_name(), format.name(), bytes)
         };

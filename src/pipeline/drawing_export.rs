@@ -3,28 +3,28 @@
 use super::cad_export::{CadExport, CadFigures, CadFindings};
 use super::part_drawing::PartDrawing;
 use crate::export::Label;
-use crate::profile::{CadFormat, Profile};
+use crate::profile::{CadFormat, DrawingFormat, Profile};
 use crate::results::{DrawingFacts, FileFault};
 use std::io::{self, Write};
 
 /// A file of the part's drawing.
 pub(super) struct DrawingExport {
-    format: CadFormat,
+    format: DrawingFormat,
     bytes: Vec<u8>,
     facts: DrawingFacts,
 }
 
 impl DrawingExport {
-    /// The file of a format that is a drawing; none of others.
-    pub(super) fn new(profile: &Profile, drawing: &PartDrawing, format: CadFormat) -> Option<Self> {
-        let bytes = drawing.file(profile, format)?;
-        Some(Self { format, bytes, facts: drawing.facts.clone() })
+    /// The file of a drawing in a format.
+    pub(super) fn new(profile: &Profile, drawing: &PartDrawing, format: DrawingFormat) -> Self {
+        let bytes = drawing.file(profile, format);
+        Self { format, bytes, facts: drawing.facts.clone() }
     }
 }
 
 impl CadExport for DrawingExport {
     fn format(&self) -> CadFormat {
-        self.format
+        CadFormat::Drawing(self.format)
     }
 
     fn write(&self, out: &mut dyn Write, _label: &Label) -> io::Result<()> {

@@ -11,7 +11,7 @@ use crate::geom::{Contour, DVec2, Drilled, NumberedHole, Outline, Precision};
 use crate::inspection::{least_margin_mm, plan_points, rims};
 use crate::mirror::{Form, Mirror};
 use crate::num::rounding::{ceil_125, two_digits_below};
-use crate::profile::{CadFormat, PaperSize, Profile};
+use crate::profile::{DrawingFormat, PaperSize, Profile};
 use crate::results::{DrawingFacts, DrawnFeature};
 use crate::sheet::Sheet;
 
@@ -45,18 +45,17 @@ impl PartDrawing {
         let plan = plan_points(&design.mirror, InspectOptions::DEGREE, margin_mm);
         let inspected: Vec<DVec2> = plan.points.iter().map(|point| point.at.truncate()).collect();
         let facts = facts(profile, design, form, inspected.len());
-        let part = DrawnPart::new(solid, circles(design), inspected);
+        let part = DrawnPart::new(solid, design.datums(), circles(design), inspected);
         let sheet = drawing::drawn(profile, &facts, &part);
         let enlargement = 1.0 / drawing::scale(profile, facts.size_mm).factor();
         Ok(Self { facts, sheet, enlargement })
     }
 
-    /// The file of a format that is a drawing; none of others.
-    pub(super) fn file(&self, profile: &Profile, format: CadFormat) -> Option<Vec<u8>> {
+    /// Its file in a format.
+    pub(super) fn file(&self, profile: &Profile, format: DrawingFormat) -> Vec<u8> {
         match format {
-            CadFormat::Pdf => Some(self.sheet.pdf(&format!("Drawing of {}", profile.name))),
-            CadFormat::Dxf => Some(self.sheet.dxf(self.enlargement)),
-            CadFormat::Step | CadFormat::Csv => None,
+            DrawingFormat::Pdf => self.sheet.pdf(&format!("Drawing of {}", profile.name)),
+            DrawingFormat::Dxf => self.sheet.dxf(self.enlargement),
         }
     }
 }
@@ -106,12 +105,9 @@ fn mirror_size(mirror: &Mirror) -> DVec2 {
 /// Holes and marks, with their numbers.
 fn features(design: &Design) -> Vec<DrawnFeature> {
     let hole = |hole: NumberedHole| {
-        let (diameter_mm, words) = (hole.hole.diameter_mm, hole.words());
         // (A plain diameter has a column of its own.)
-        let plain = words.strip_prefix("diameter ").and_then(|rest| rest.split_once(", "));
-        let plain = plain.filter(|(diameter, _)| diameter.parse::<f64>().is_ok());
-        let what = plain.map_or_else(|| words.clone(), |(_, rest)| rest.to_owned());
-        let (name, at_mm) = (format!("H{}", hole.number), hole.at().to_array());
+        let (diameter_mm, what) = (hole.hole.diameter_mm, hole.remarks());
+        let (name, at_mm) = (DrawnFeature::hole_name(hole.number), hole.at().to_array());
         DrawnFeature { name, at_mm, diameter_mm, what }
     };
     let mark = |(k, mark): (usize, &Drilled)| DrawnFeature {

@@ -31,9 +31,16 @@ pub enum CadFormat {
     Step,
     /// Table of places and normals of the mirror, decimal text.
     Csv,
-    /// Drawing as PDF.
+    /// Drawing of the part.
+    Drawing(DrawingFormat),
+}
+
+/// A format of drawings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum DrawingFormat {
+    /// PDF.
     Pdf,
-    /// Drawing as DXF.
+    /// DXF.
     Dxf,
 }
 
@@ -92,15 +99,20 @@ impl MeshFormat {
 
 impl CadFormat {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Step, Self::Csv, Self::Pdf, Self::Dxf];
+    pub const ALL: [Self; 4] = [
+        Self::Step,
+        Self::Csv,
+        Self::Drawing(DrawingFormat::Pdf),
+        Self::Drawing(DrawingFormat::Dxf),
+    ];
 
     /// Name in a profile, and its file's.
     const fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Step => ("step", "mirror.step"),
             Self::Csv => ("csv", "sag.csv"),
-            Self::Pdf => ("pdf", "drawing.pdf"),
-            Self::Dxf => ("dxf", "drawing.dxf"),
+            Self::Drawing(DrawingFormat::Pdf) => ("pdf", "drawing.pdf"),
+            Self::Drawing(DrawingFormat::Dxf) => ("dxf", "drawing.dxf"),
         }
     }
 

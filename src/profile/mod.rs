@@ -38,7 +38,7 @@ pub use calibration::{CalibrationError, CalibrationFile, CoefficientFault, LensM
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use drawing::{DrawingSpec, PaperSize, TitleBlock, ViewArrangement};
-pub use format::{CadFormat, FileFormat, MeshFormat, StepProtocol};
+pub use format::{CadFormat, DrawingFormat, FileFormat, MeshFormat, StepProtocol};
 pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};

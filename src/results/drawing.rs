@@ -78,3 +78,11 @@ pub struct DrawnFeature {
     /// What it is.
     pub what: String,
 }
+
+impl DrawnFeature {
+    /// The name of a hole by its number among all holes of the part, from 1.
+    #[must_use]
+    pub(crate) fn hole_name(number: usize) -> String {
+        format!("H{number}")
+    }
+}

@@ -1,7 +1,7 @@
 //! A sheet as DXF of release 12: the oldest that every reader knows. It has no date, no number drawn by chance and no
 //! widths of lines: its layers tell what a line is for.
 
-use super::font::encoded;
+use super::font::{capital_height, encoded};
 use super::{Dashes, Pen, Sheet, SheetColour, SheetMark, TextAlign, TextLine, TextWay};
 use std::io::Write;
 
@@ -186,7 +186,8 @@ impl GroupWriter {
     fn text(&mut self, line: &TextLine) {
         self.begin("TEXT", "TEXT");
         self.place(10, line.start());
-        self.length(40, line.size_mm);
+        // (DXF has the height of capital letters.)
+        self.length(40, line.size_mm * capital_height());
         self.bytes.extend_from_slice(b"  1\n");
         self.bytes.extend(encoded(&line.text));
         self.bytes.push(b'\n');
@@ -217,6 +218,17 @@ fn layer(pen: &Pen) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// DejaVu's capital letters are 1493 of 2048 high.
+    #[test]
+    fn letters_are_as_high_as_those_of_the_pdf() {
+        let mut sheet = Sheet::new([100.0, 50.0]);
+        sheet.text([5.0, 6.0], 2.5, "H", TextAlign::Left);
+        let text = String::from_utf8(sheet.dxf(1.0)).unwrap();
+        let height: f64 =
+            text.split_once("TEXT\n 10\n").unwrap().1.lines().nth(4).unwrap().parse().unwrap();
+        assert!((height - 2.5 * 1493.0 / 2048.0).abs() < 1e-4, "{height}");
+    }
 
     #[test]
     fn a_sheet_is_lines_of_groups_at_the_asked_scale() {

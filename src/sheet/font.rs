@@ -28,13 +28,15 @@ pub(super) static FIGURES: LazyLock<FontFigures> = LazyLock::new(|| {
         let advance = glyph.and_then(|glyph| face.glyph_hor_advance(glyph));
         advance.map_or(0.0, |advance| f32::from(advance) * scale)
     };
+    // (This font does not tell how high its capital letters are.)
+    let capital = face.glyph_index('H').and_then(|glyph| face.glyph_bounding_box(glyph));
     let bounds = face.global_bounding_box();
     let ends = [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max];
     FontFigures {
         widths: (FIRST..=LAST).map(width).collect(),
         ascent: f32::from(face.ascender()) * scale,
         descent: f32::from(face.descender()) * scale,
-        cap_height: f32::from(face.capital_height().unwrap_or(face.ascender())) * scale,
+        cap_height: capital.map_or(0.0, |bounds| f32::from(bounds.y_max)) * scale,
         bounds: ends.map(|end| f32::from(end) * scale),
     }
 });
@@ -53,6 +55,11 @@ fn is_letter(byte: u8) -> bool {
 pub(super) fn encoded(text: &str) -> Vec<u8> {
     let byte = |c: char| u8::try_from(u32::from(c)).ok().filter(|b| is_letter(*b)).unwrap_or(b'?');
     text.chars().map(byte).collect()
+}
+
+/// Height of capital letters, in the size of letters.
+pub(super) fn capital_height() -> f64 {
+    f64::from(FIGURES.cap_height) / 1000.0
 }
 
 /// Width, mm, of a line of text with letters of this size.

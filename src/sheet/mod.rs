@@ -187,13 +187,19 @@ impl Sheet {
 
     /// Writes a line of text with letters of this size.
     pub fn text(&mut self, at: [f64; 2], size_mm: f64, text: &str, align: TextAlign) {
-        let (text, way) = (text.to_owned(), TextWay::Across);
-        self.marks.push(SheetMark::Text(TextLine { at, size_mm, text, align, way }));
+        self.text_along(TextWay::Across, at, size_mm, text, align);
     }
 
-    /// Writes a line of text that runs upwards.
-    pub fn text_up(&mut self, at: [f64; 2], size_mm: f64, text: &str, align: TextAlign) {
-        let (text, way) = (text.to_owned(), TextWay::Up);
+    /// Writes a line of text that runs in this way.
+    pub fn text_along(
+        &mut self,
+        way: TextWay,
+        at: [f64; 2],
+        size_mm: f64,
+        text: &str,
+        align: TextAlign,
+    ) {
+        let text = text.to_owned();
         self.marks.push(SheetMark::Text(TextLine { at, size_mm, text, align, way }));
     }
 

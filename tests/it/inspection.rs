@@ -6,7 +6,7 @@ use crate::support::{refused, shipped, shipped_text, times};
 use morion::internals::align::{Pose, align_points};
 use morion::internals::design::{Design, design};
 use morion::internals::geom::DVec3;
-use morion::internals::inspection::{FormFit, InspectionPlan, fit_form, plan_points};
+use morion::internals::inspection::{FormFit, InspectionPlan, fit_form, plan_points, rims};
 use morion::internals::num::random::RandomStream;
 use morion::internals::profile::Profile;
 use nalgebra::{DMatrix, DVector};
@@ -44,6 +44,20 @@ fn points_lie_on_the_mirror_evenly_and_away_from_rims_ridges_and_steps() {
     // The ridge of a conquistador is a rim too.
     let design = design(&shipped("conquistador")).unwrap();
     assert!(planned(&design).points.iter().all(|point| point.at.y.abs() > 0.4));
+}
+
+/// A sheet shows no line between the rims of a ring.
+#[test]
+fn rims_of_a_ring_are_two_closed_lines() {
+    let design = design(&shipped("conical")).unwrap();
+    let rims = rims(&design.mirror);
+    assert_eq!(rims.len(), 2);
+    for rim in &rims {
+        let radius = rim[0].truncate().length();
+        assert!(rim.iter().all(|p| (p.truncate().length() - radius).abs() < 1e-9));
+        let longest = rim.windows(2).map(|w| w[0].distance(w[1])).fold(0.0, f64::max);
+        assert!(rim.first() == rim.last() && longest < 0.01 * radius, "{longest}");
+    }
 }
 
 /// Low terms, one from peak to valley, in the order of the error sources: Legendre's over a rectangle, Noll's over a
