@@ -23,6 +23,9 @@ pub mod drawing {
 pub mod export {
     pub use crate::export::*;
 }
+pub mod forming {
+    pub use crate::forming::*;
+}
 pub mod geom {
     pub use crate::geom::*;
 }

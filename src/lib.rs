@@ -72,6 +72,7 @@ mod cli;
 mod design;
 mod drawing;
 mod export;
+mod forming;
 mod front;
 mod geom;
 mod inspection;

@@ -1,7 +1,7 @@
 //! Blind holes below a mirror: the material that they leave under it and beside its walls.
 
 use super::DesignError;
-use crate::geom::{BlindHole, Border, DVec2, DVec3, HoleKind, HoleMeridian, Outline};
+use crate::geom::{BlindHole, Border, DVec2, DVec3, HoleKind, HoleMeridian, Outline, PlanPolygon};
 use crate::mirror::Mirror;
 use crate::profile::{BorderFeature, BorderSpec, HoleSpec, Profile, under_rim};
 
@@ -41,7 +41,7 @@ pub(super) fn below(
     let above = Above { mirror, heights_mm: [profile.part.base_mm, top_mm] };
     let rim = above.rim();
     for (k, spec, hole) in &specs {
-        let foot = Footprint::new(mirror, &rim, 0.0);
+        let foot = footprint(mirror, &rim, 0.0);
         let inset = foot.inset(hole.hole.at) - hole.hole.mouth_radius();
         match border {
             Some(border) if inset < HoleSpec::LEAST_WALL_MM => {
@@ -54,7 +54,7 @@ pub(super) fn below(
                 }
             }
             Some(_) => {}
-            None => beside(&foot, &Footprint::new(mirror, &rim, hole.tip_mm()), hole)?,
+            None => beside(&foot, &footprint(mirror, &rim, hole.tip_mm()), hole)?,
         }
         let wall = above.wall(&hole.meridian(), 0.0);
         if !(wall >= HoleSpec::LEAST_WALL_MM - BorderSpec::ROUNDING_MM) {
@@ -65,7 +65,7 @@ pub(super) fn below(
 }
 
 /// Whether a hole stays clear of the walls below the mirror's rim.
-fn beside(foot: &Footprint, higher: &Footprint, hole: &BlindHole) -> Result<(), DesignError> {
+fn beside(foot: &PlanPolygon, higher: &PlanPolygon, hole: &BlindHole) -> Result<(), DesignError> {
     let at = hole.hole.at;
     let gap = foot.inset(at).min(higher.inset(at)) - hole.hole.mouth_radius();
     if gap >= BorderSpec::CLEAR_MM - BorderSpec::ROUNDING_MM {
@@ -240,33 +240,11 @@ fn thinnest(
     best
 }
 
-/// The outline, in the plan, of the walls below a mirror at one height.
-struct Footprint(Vec<DVec2>);
-
-impl Footprint {
-    /// At the height `z_mm`: walls are upright, or lie along the rays of the pinhole where there are steps.
-    fn new(mirror: &Mirror, rim: &[DVec3], z_mm: f64) -> Self {
-        let place = |p: &DVec3| {
-            if mirror.has_steps() { mirror.chart.passing(*p, z_mm) } else { p.truncate() }
-        };
-        Self(rim.iter().map(place).collect())
-    }
-
-    /// Distance of `p` inside it, mm; negative outside.
-    fn inset(&self, p: DVec2) -> f64 {
-        let next = self.0.iter().cycle().skip(1);
-        let (mut nearest, mut is_inside) = (f64::INFINITY, false);
-        for (&a, &b) in self.0.iter().zip(next) {
-            let along = b - a;
-            let square = along.length_squared();
-            let share =
-                if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
-            nearest = nearest.min(p.distance(a + along * share));
-            // Sides that a ray from `p` towards +X crosses.
-            if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / along.y * along.x {
-                is_inside = !is_inside;
-            }
-        }
-        if is_inside { nearest } else { -nearest }
-    }
+/// The outline, in the plan, of the walls below a mirror at the height `z_mm`: they are upright, or lie along the rays of the
+/// pinhole where there are steps.
+fn footprint(mirror: &Mirror, rim: &[DVec3], z_mm: f64) -> PlanPolygon {
+    let place = |p: &DVec3| {
+        if mirror.has_steps() { mirror.chart.passing(*p, z_mm) } else { p.truncate() }
+    };
+    PlanPolygon(rim.iter().map(place).collect())
 }

@@ -29,6 +29,7 @@ mod solve;
 mod straightness;
 mod strip;
 mod surface;
+mod tool;
 mod visibility;
 
 pub use cause::{FailureCause, FitStage, LocalFailure};
@@ -40,6 +41,7 @@ pub use remedy::{KeyChange, KeyValue, LesserError, MOST_TRIALS, Remedy, lesser_e
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
+use crate::forming::{FormingFault, FormingTool};
 use crate::geom::{BlindHole, Border, Contour, DatumScheme, Obstacle, Outline, PartFeatures, Rect};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
@@ -64,6 +66,9 @@ pub struct Design {
     pub border: Option<Border>,
     /// Holes from the base that end below the mirror or the border, each of them with the material above it that it needs.
     pub blind_holes: Vec<BlindHole>,
+    /// The tool that is made in the part's place, on which a piece with the mirror alone is formed; none for the part
+    /// itself.
+    pub tool: Option<FormingTool>,
     /// Places of camera and target, and the size of the part.
     pub mounting: Mounting,
     /// What stands beside the mirror and may hide what rays would show: the profile's obstacles in its order and
@@ -128,7 +133,22 @@ impl Design {
         LeastError::of(&self.mirror, &self.camera, self.view.as_ref()?)
     }
 
-    /// Border and blind holes.
+    /// Border, blind holes and volume, mm^3, of the body that files hold: the tool's, or the part's.
+    #[must_use]
+    pub fn made_body(&self) -> (PartFeatures<'_>, f64) {
+        match &self.tool {
+            Some(tool) => (tool.features(), tool.volume_mm3),
+            None => (self.features(), self.volume()),
+        }
+    }
+
+    /// The same without a tool: of the part, or of what is formed.
+    #[must_use]
+    pub fn formed(&self) -> Self {
+        Self { tool: None, ..self.clone() }
+    }
+
+    /// Border and blind holes of the part.
     #[must_use]
     pub fn features(&self) -> PartFeatures<'_> {
         PartFeatures { border: self.border.as_ref(), blind_holes: &self.blind_holes }
@@ -179,6 +199,9 @@ pub enum DesignError {
         /// Least and largest X and Y of the grid.
         grid: [[f64; 2]; 2],
     },
+    /// No sheet follows the mirror.
+    #[error(transparent)]
+    Forming(#[from] FormingFault),
     /// A hole, a mark or rounded corners do not fit around the mirror.
     #[error("{message}; {hint}")]
     Border {
@@ -358,13 +381,28 @@ fn place_on_base(
     if let Some(view) = &view {
         faceted_target::check_mirror(&mirror, view)?;
     }
-    let border = border::around(profile, &mirror)?;
+    let tool = tool::wanted(profile, &mirror)?;
+    let border = if tool.is_some() { None } else { border::around(profile, &mirror)? };
     let top_mm = max_height + lift;
-    let blind_holes = blind_holes::below(profile, &mirror, border.as_ref(), top_mm)?;
+    let blind_holes = match tool {
+        Some(_) => Vec::new(),
+        None => blind_holes::below(profile, &mirror, border.as_ref(), top_mm)?,
+    };
     let mounting = Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), top_mm);
     let obstacles = obstacles::placed(profile, &camera, &mounting);
     let profile = Arc::new(profile.clone());
-    Ok(Design { profile, mirror, view, camera, border, blind_holes, mounting, obstacles, facts })
+    Ok(Design {
+        profile,
+        mirror,
+        view,
+        camera,
+        border,
+        blind_holes,
+        tool,
+        mounting,
+        obstacles,
+        facts,
+    })
 }
 
 #[cfg(test)]

@@ -54,6 +54,14 @@ pub enum MachiningError {
          each panel made apart, or give one view alone"
     )]
     Panels,
+    /// A forming tool in the place of the mirror.
+    #[error(
+        "a {form} is cut along its own face, not along the mirror; leave part.form out for what a cutter makes of the mirror"
+    )]
+    Tool {
+        /// The tool.
+        form: &'static str,
+    },
     /// Lines too far apart for the ball.
     #[error(
         "with a stepover of {stepover_mm} mm the lines are {apart_mm:.3} mm apart on the mirror at X {:.3} \

@@ -3,7 +3,7 @@
 
 use super::{BallRaster, MachiningError, Scallop, clears_ridge};
 use crate::geom::{DVec2, Outline};
-use crate::mirror::{LocalSurface, Mirror};
+use crate::mirror::{LocalSurface, Mirror, SurfaceSamples};
 use crate::num::stats::Summary;
 use crate::num::{Arithmetic, Dual, degrees, radians};
 use crate::optics::{Camera, ImagingTask};
@@ -11,8 +11,6 @@ use crate::parallel;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Samples of the face along each axis of a panel, the rim among them.
-const SAMPLES: usize = 96;
 /// About how many pixels are looked at.
 const PIXELS: f64 = 12_000.0;
 /// Directions that are tried before the best is refined.
@@ -78,8 +76,7 @@ struct Pixel {
 /// A mirror's face, sampled.
 #[derive(Debug, Clone)]
 pub struct SurfaceAnalysis<'a> {
-    mirror: &'a Mirror,
-    face: Vec<(DVec2, LocalSurface)>,
+    samples: SurfaceSamples<'a>,
     pixels: Vec<Pixel>,
     projected: bool,
 }
@@ -88,11 +85,6 @@ impl<'a> SurfaceAnalysis<'a> {
     /// Samples the face, rim included, and every few of the camera's pixels that see it.
     #[must_use]
     pub fn new(mirror: &'a Mirror, camera: &Camera, view: Option<&ImagingTask>) -> Self {
-        let panel = mirror.outline.samples(SAMPLES).concat();
-        let flip = DVec2::new(1.0, -1.0);
-        let images = panel.iter().map(|(q, _)| *q * flip).filter(|_| mirror.folded);
-        let places: Vec<DVec2> = panel.iter().map(|(q, _)| *q).chain(images).collect();
-        let face = parallel::map_slice(&places, 1, |&q| (q, mirror.extended_surface(q)));
         let [columns, rows] = camera.pixels;
         let stride = (f64::from(columns) * f64::from(rows) / PIXELS).sqrt().floor().max(1.0) as u32;
         let row = |row: usize| {
@@ -106,35 +98,17 @@ impl<'a> SurfaceAnalysis<'a> {
                 .collect::<Vec<_>>()
         };
         let pixels = parallel::map(rows.div_ceil(stride) as usize, 1, row);
-        Self { mirror, face, pixels: pixels.concat(), projected: view.is_some() }
+        Self {
+            samples: SurfaceSamples::new(mirror),
+            pixels: pixels.concat(),
+            projected: view.is_some(),
+        }
     }
 
-    /// The place of the face where `measure` is largest: the samples' best, refined by a compass search.
+    /// The place of the face where `measure` is largest.
     #[must_use]
     pub fn largest(&self, measure: impl Fn(&LocalSurface) -> f64) -> (f64, LocalSurface) {
-        let whole = self.mirror.full_outline();
-        let first = self.face[0];
-        let start = (measure(&first.1), first);
-        let (mut most, (mut q, mut place)) = self.face.iter().fold(start, |best, &sample| {
-            let value = measure(&sample.1);
-            if value > best.0 { (value, sample) } else { best }
-        });
-        let size = whole.bounds().size().max_element();
-        let mut step = size / SAMPLES as f64;
-        while step > 1e-9 * size {
-            let ways = [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)];
-            let around = ways.into_iter().flat_map(|way| [q + way * step, q - way * step]);
-            let better = around
-                .filter(|&q| whole.contains(q))
-                .map(|q| (q, self.mirror.extended_surface(q)))
-                .map(|(q, place)| (measure(&place), q, place))
-                .find(|found| found.0 > most);
-            match better {
-                Some(found) => (most, q, place) = found,
-                None => step *= 0.5,
-            }
-        }
-        (most, place)
+        self.samples.largest(measure)
     }
 
     /// Slope of the steepest place of the face, degrees from the horizontal plane.
@@ -149,7 +123,7 @@ impl<'a> SurfaceAnalysis<'a> {
     #[must_use]
     pub fn least_hollow_mm(&self) -> Option<Extreme> {
         let (most, place) = self.largest(LocalSurface::largest_curvature);
-        let size = self.mirror.full_outline().bounds().size().max_element();
+        let size = self.samples.mirror().full_outline().bounds().size().max_element();
         (most * size > 1e-9).then(|| Extreme { value: 1.0 / most, at_mm: place.at.to_array() })
     }
 
@@ -166,7 +140,9 @@ impl<'a> SurfaceAnalysis<'a> {
     /// scallops are no small errors).
     pub fn figures(&self, raster: &BallRaster) -> Result<Option<ScallopFigures>, MachiningError> {
         let BallRaster { ball_mm, stepover_mm, .. } = *raster;
-        for (place, scallop) in self.face.iter().filter_map(|(_, place)| self.cut(place, raster)) {
+        for (place, scallop) in
+            self.samples.face.iter().filter_map(|(_, place)| self.cut(place, raster))
+        {
             let apart_mm = scallop.apart * stepover_mm;
             if !(apart_mm <= scallop.radius_mm) {
                 let at = place.at.truncate();
@@ -215,7 +191,7 @@ impl<'a> SurfaceAnalysis<'a> {
         }
         best(|angle| {
             let raster = BallRaster { angle, ..*raster };
-            let all = self.face.iter().filter_map(|(_, place)| self.cut(place, &raster));
+            let all = self.samples.face.iter().filter_map(|(_, place)| self.cut(place, &raster));
             // Heights grow with W^2 / r.
             all.map(|(_, s)| s.apart * s.apart / s.radius_mm).fold(0.0, f64::max)
         })
@@ -243,7 +219,7 @@ impl<'a> SurfaceAnalysis<'a> {
     /// The largest stepover that [`Self::figures`] takes, mm.
     #[must_use]
     pub fn widest_mm(&self, raster: &BallRaster) -> f64 {
-        let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
+        let all = self.samples.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         all.map(|(_, s)| s.radius_mm / s.apart).fold(raster.ball_mm, f64::min)
     }
 
@@ -252,7 +228,7 @@ impl<'a> SurfaceAnalysis<'a> {
     #[must_use]
     pub fn along_mm(&self, raster: &BallRaster, share: f64) -> f64 {
         let along = raster.along();
-        let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
+        let all = self.samples.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         let steps = all.map(|(place, scallop)| {
             share * scallop.slope(raster.stepover_mm) / along.dot(place.hessian.times(along)).abs()
         });
@@ -261,7 +237,8 @@ impl<'a> SurfaceAnalysis<'a> {
 
     /// Whether the mirror looks the same from all sides.
     fn round(&self) -> bool {
-        self.mirror.surface.is_axisymmetric() && matches!(self.mirror.outline, Outline::Ring { .. })
+        self.samples.mirror().surface.is_axisymmetric()
+            && matches!(self.samples.mirror().outline, Outline::Ring { .. })
     }
 
     fn cut<'b>(
@@ -269,7 +246,7 @@ impl<'a> SurfaceAnalysis<'a> {
         place: &'b LocalSurface,
         raster: &BallRaster,
     ) -> Option<(&'b LocalSurface, Scallop)> {
-        let fits = clears_ridge(self.mirror, place, raster.ball_mm);
+        let fits = clears_ridge(self.samples.mirror(), place, raster.ball_mm);
         let scallop = fits.then(|| Scallop::new(place, raster.ball_mm, raster.along()))??;
         Some((place, scallop))
     }

@@ -34,6 +34,12 @@ impl PlanJacobian {
             / x.perp_dot(y)
     }
 
+    /// Area of the plan over that of the chart's coordinates.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.x.perp_dot(self.y)
+    }
+
     /// The Jacobian matrix at the reflected points, of a mirror reflected in the plane Y = 0.
     pub(super) fn reflected(self) -> Self {
         Self { x: self.x * DVec2::new(1.0, -1.0), y: self.y * DVec2::new(-1.0, 1.0) }
@@ -121,6 +127,12 @@ impl LocalSurface {
     /// closely where its radius is below the inverse.
     #[must_use]
     pub fn largest_curvature(&self) -> f64 {
+        self.curvatures()[1]
+    }
+
+    /// The principal curvatures, 1/mm, the lesser one first: positive where the normal section is hollow, seen from above.
+    #[must_use]
+    pub fn curvatures(&self) -> [f64; 2] {
         let g = self.stretch();
         // Tangents of unit length, up the slope and square to it.
         let way = self.slope.try_normalize().unwrap_or(DVec2::X);
@@ -128,7 +140,8 @@ impl LocalSurface {
         let curvature = |a: DVec2, b: DVec2| a.dot(self.hessian.times(b)) / g;
         let (a, b, c) = (curvature(up, up), curvature(up, level), curvature(level, level));
         let half = 0.5 * (a - c);
-        0.5 * (a + c) + (half * half + b * b).sqrt()
+        let (mean, apart) = (0.5 * (a + c), (half * half + b * b).sqrt());
+        [mean - apart, mean + apart]
     }
 
     /// Where a ray meets the mirror, and the mirror's slope there: exact with their first

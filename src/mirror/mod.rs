@@ -18,6 +18,7 @@ mod panelled;
 mod radial_legendre;
 mod radial_tensor_sum;
 mod surface;
+mod surface_samples;
 mod tensor_legendre;
 mod volume;
 mod walls;
@@ -30,6 +31,7 @@ pub use panelled::PanelledSurface;
 pub use radial_legendre::{RadialLegendre, RadialLegendreRow, Rings};
 pub use radial_tensor_sum::{RadialTensorSum, RadialTensorSumRow};
 pub use surface::{Surface, SurfaceRow};
+pub use surface_samples::SurfaceSamples;
 pub use tensor_legendre::{TensorLegendre, TensorLegendreRow};
 pub use walls::WallFault;
 

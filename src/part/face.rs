@@ -3,6 +3,7 @@
 
 use super::formats::{TRACED, cad, codec, meshes};
 use crate::design::Design;
+use crate::forming::FormingTool;
 use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
     Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, MeshPlan,
@@ -117,11 +118,12 @@ pub(crate) fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, 
     forecast_within(&design.mirror, &design.camera.chart, design.bounded_view(), limits)
 }
 
-/// The profile's limits on the mirror of `design`.
+/// The profile's limits on the mirror of `design`, less what a tool's facets need of them.
 pub(crate) fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
+    let share = design.tool.as_ref().map_or(1.0, FormingTool::mesh_share);
     Limits {
-        chord_mm: profile.mesh.chord_um().map(|um| Mm::from(Um(um)).0),
-        facet_mm: profile.mesh.facet_px().map(|px| design.camera.to_mm(Px(px)).0),
+        chord_mm: profile.mesh.chord_um().map(|um| share * Mm::from(Um(um)).0),
+        facet_mm: profile.mesh.facet_px().map(|px| share * design.camera.to_mm(Px(px)).0),
         precision,
     }
 }
@@ -136,7 +138,7 @@ pub(crate) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
     let edges = (forecast.rim - hole).round() as usize;
     // (Steps are few.)
     let rim = Rim { edges, steps: 0, hole_edges: hole.round() as usize };
-    added(rim, design.features())
+    added(rim, design.made_body().0)
 }
 
 /// What closing adds to faces of a mirror.
@@ -161,7 +163,7 @@ impl ClosureCount for ClosingCount<'_> {
 
     fn counted(&self, face: &Face) -> usize {
         // A rim that cannot be closed is the next stage's to refuse.
-        let features = self.0.features();
+        let (features, _) = self.0.made_body();
         rim(&face.mesh).map_or(0, |rim| added(rim, features))
     }
 }

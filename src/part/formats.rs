@@ -32,9 +32,11 @@ pub(crate) fn cad(profile: &Profile) -> impl Iterator<Item = CadFormat> {
 }
 
 /// Whether a build of the profile needs a mesh: where it asks for no mesh file, the rays are traced at the curved faces
-/// of its STEP file, or else at a mesh that is not kept.
+/// of its STEP file, or else, and of what is formed on a tool, at a mesh that is not kept.
 pub(crate) fn needs_mesh(profile: &Profile) -> bool {
-    meshes(profile).next().is_some() || cad(profile).all(|format| format != CadFormat::Step)
+    meshes(profile).next().is_some()
+        || profile.part.forming.is_some()
+        || cad(profile).all(|format| format != CadFormat::Step)
 }
 
 /// Writer and reader of a mesh format.

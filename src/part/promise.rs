@@ -1,6 +1,7 @@
 //! What is promised of a mesh file, which its verdict holds it to.
 
 use crate::design::Design;
+use crate::forming::FormingTool;
 use crate::mesh::Face;
 use crate::num::units::{Mm, Px, Um};
 use crate::profile::{MeshGoal, Profile};
@@ -24,7 +25,8 @@ impl Promise {
             MeshGoal::Limits { facet, .. } => facet.map(|px| (px, "mesh.facet_px")),
             // A number of triangles sets no limit; what was proven of them is to be seen.
             MeshGoal::Budget(_) => {
-                Some((design.camera.to_px(Mm(face.bound.facet_mm)), "the mesh's bound"))
+                let share = design.tool.as_ref().map_or(1.0, FormingTool::mesh_share);
+                Some((design.camera.to_px(Mm(face.bound.facet_mm / share)), "the mesh's bound"))
             }
         };
         Self { chord_mm: face.bound.chord_mm, facet }

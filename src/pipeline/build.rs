@@ -25,7 +25,7 @@ use crate::render::{
     CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
 };
 use crate::report::BuildFigures;
-use crate::results::{BuildReport, HoleFacts, Reason, SCHEMA, SharpnessFacts};
+use crate::results::{BuildReport, HoleFacts, Reason, SCHEMA, SharpnessFacts, ToolFacts};
 use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
@@ -327,6 +327,9 @@ fn report(
     warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh, next_finer)));
     let blurred = findings.sharpness.as_ref().and_then(SharpnessFacts::warning);
     warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
+    let tool = design.tool.as_ref().map(ToolFacts::of);
+    let unseen = tool.as_ref().and_then(ToolFacts::warning);
+    warnings.extend(unseen.map(|warning| format!("{}: {warning}", profile.name)));
     let report = BuildReport {
         schema: SCHEMA,
         profile: profile.into(),
@@ -336,7 +339,8 @@ fn report(
         form,
         mesh,
         solid,
-        holes: HoleFacts::of(design.features()),
+        tool,
+        holes: HoleFacts::of(design.made_body().0),
         files,
         trace: findings.trace,
         sag,

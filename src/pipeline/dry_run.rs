@@ -12,11 +12,11 @@ use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::num::units::{Mm, Um};
 use crate::part::{
-    self, AtPrecision, MeshCodec, MeshOutcome, SizeWarnings, added_to, codec, left_out, needs_mesh,
+    self, AtPrecision, MeshCodec, MeshOutcome, SizeWarnings, added_to, closed, codec, left_out,
+    needs_mesh,
 };
 use crate::profile::{MeshFormat, Profile};
 use crate::results::{BuildForecast, FileForecast, ForecastLimit, MeshForecast, Refusal};
-use crate::solid::Solid;
 
 /// Foresees what `build` would make of the profile of `source`. Touches no file.
 ///
@@ -174,9 +174,10 @@ fn made_length(
 ) -> Option<u64> {
     let (camera, view) = (&design.camera.chart, design.bounded_view());
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
-    let solid = Solid::from_face(&face.mesh, design.features(), codec.precision()).ok()?;
+    let solid = closed(design, &face.mesh, codec.precision()).ok()?;
     let mut bytes = ByteCounter::default();
-    codec.write(&mut bytes, &solid, Some((&face, design)), label).ok()?;
+    let made = design.tool.is_none().then_some((&face, design));
+    codec.write(&mut bytes, &solid, made, label).ok()?;
     Some(bytes.count())
 }
 

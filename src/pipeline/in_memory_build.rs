@@ -39,8 +39,9 @@ pub(crate) fn build_in_memory(
     let label = label(design, Some(&face.made.bound));
     let bytes = run.stage(Stage::Write, || {
         let mut bytes = Vec::new();
+        let made = design.tool.is_none().then_some((&face.made, design));
         codec(format)
-            .write(&mut bytes, &solid, Some((&face.made, design)), &label)
+            .write(&mut bytes, &solid, made, &label)
             .map_err(|error| failed(error.to_string()))?;
         let note = format!("{}, {:.1} MB in memory", format.file_name(), bytes.len() as f64 / 1e6);
         Ok((bytes, note))

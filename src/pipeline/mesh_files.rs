@@ -7,7 +7,7 @@ use crate::export::Label;
 use crate::geom::Precision;
 use crate::mesh::{ErrorBound, Face, Limits};
 use crate::num::units::{Mm, Um};
-use crate::part::{AtPrecision, Promise, codec, face, limits};
+use crate::part::{AtPrecision, Promise, closed as closed_body, codec, face, limits};
 use crate::profile::{MeshFormat, Profile};
 use crate::results::{Limited, MeshFacts, OverOptimum, Refusal, SolidFacts};
 use crate::solid::Solid;
@@ -70,9 +70,10 @@ pub(super) fn write_meshes(
         };
         facts.get_or_insert_with(|| {
             let mesh = mesh_facts(run.profile, design, &face.made, &solid);
-            (mesh, SolidFacts::new(solid.check(), design.volume()))
+            (mesh, SolidFacts::new(solid.check(), design.made_body().1))
         });
-        let made = Some((&face.made, design));
+        // A tool's normals are not the mirror's.
+        let made = design.tool.is_none().then_some((&face.made, design));
         run.write(format.file_name(), |out| codec(format).write(out, &solid, made, label))?;
         closed = Some((codec(format).precision(), solid));
     }
@@ -126,7 +127,7 @@ pub(super) fn close(
     face: &Face,
     format: MeshFormat,
 ) -> Result<(Solid, String), Error> {
-    let solid = Solid::from_face(&face.mesh, design.features(), codec(format).precision())
+    let solid = closed_body(design, &face.mesh, codec(format).precision())
         .map_err(|source| Error::Solid { profile: run.profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))

@@ -4,6 +4,7 @@ use crate::design::{Design, own_errors_px};
 use crate::export::{Label, write_glb};
 use crate::geom::{DVec2, Precision};
 use crate::optics::ThinnedFrame;
+use crate::part::closed;
 use crate::raster::FalseColourMap;
 use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors, shaded_view};
 use crate::report::{PartFigures, curl_map, design_error_map, pixel_error_map, spot_map};
@@ -16,14 +17,19 @@ use crate::verdict::sharpness::spot_sizes;
 #[cfg(feature = "studio")]
 use std::sync::Arc;
 
-/// The part's figures from a coarse mesh of its own; none where it has none.
+/// The part's figures from a coarse mesh of its own, none where it has none: of a tool what is formed beside the camera, the
+/// tool by itself.
 pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
-    let solid = coarse_part(design)?;
-    let glb = glb(&solid, label)?;
-    let mesh = solid.mesh();
-    let sections = [AxialPlane::X0, AxialPlane::Y0].map(|plane| PartSection::new(mesh, plane));
-    let side_view = SideView::new(design, mesh);
-    let still = still(&solid)?;
+    let part = coarse_part(design)?;
+    let made = match design.tool {
+        Some(_) => &closed(design, &coarse_mesh(&design.mirror)?, Precision::Single).ok()?,
+        None => &part,
+    };
+    let glb = glb(made, label)?;
+    let section = |plane| PartSection::new(made.mesh(), plane);
+    let sections = [AxialPlane::X0, AxialPlane::Y0].map(section);
+    let side_view = SideView::new(design, part.mesh());
+    let still = still(made)?;
     Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
 }
 

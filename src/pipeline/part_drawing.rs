@@ -38,6 +38,13 @@ impl PartDrawing {
     /// # Errors
     /// [`Error::Drawing`] when no closed part can be made of its mirror.
     pub(super) fn new(profile: &Profile, design: &Design, form: &Form) -> Result<Self, Error> {
+        if let Some(tool) = &profile.part.forming {
+            let form = tool.form.name();
+            let reason = format!(
+                "a drawing is of the part, and part.form is \"{form}\"; leave part.form out to draw what is formed"
+            );
+            return Err(Error::Drawing { profile: profile.name.clone(), reason });
+        }
         let solid = coarse_solid(design, Precision::Double);
         let solid =
             solid.map_err(|reason| Error::Drawing { profile: profile.name.clone(), reason })?;

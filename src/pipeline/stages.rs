@@ -6,7 +6,7 @@ use super::source::{SourceError, load};
 use crate::design::{Design, DesignError, design};
 use crate::export::Label;
 use crate::mesh::Face;
-use crate::part::{codec, face};
+use crate::part::{closed, codec, face};
 use crate::profile::{MeshFormat, Profile};
 use crate::solid::{Solid, SolidError};
 use std::io::{self, Write};
@@ -77,7 +77,7 @@ impl Design {
 
 impl Face {
     /// The closed part with this face: skirt and base, and the border that `design` has around its mirror, to
-    /// the digits of the profile's coarsest file format.
+    /// the digits of the profile's coarsest file format; or the tool that is made in the part's place.
     ///
     /// ```
     /// # let profile = morion::Profile::parse("part", "part.toml", include_bytes!("../../examples/small.toml"))?;
@@ -90,7 +90,7 @@ impl Face {
     /// # Errors
     /// [`SolidError`] when the check finds a fault of the body.
     pub fn close(&self, design: &Design) -> Result<Solid, SolidError> {
-        Solid::from_face(&self.mesh, design.features(), self.precision)
+        closed(design, &self.mesh, self.precision)
     }
 }
 

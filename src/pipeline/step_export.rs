@@ -5,8 +5,9 @@ use super::cad_export::{CadExport, CadFigures, CadFindings};
 use super::form_study::{FormStudy, pmi_facts};
 use crate::brep::Body;
 use crate::design::Design;
-use crate::export::step::{FittedMirror, Pmi, StepSchema, fit_splines, write_step};
+use crate::export::step::{FittedMirror, Pmi, StepSchema, fit_splines, fit_tool, write_step};
 use crate::export::{ByteCounter, Label};
+use crate::forming::FormingTool;
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::mirror::Mirror;
 use crate::part::Promise;
@@ -18,6 +19,10 @@ use std::io::{self, Write};
 const ACROSS: u32 = 64;
 /// Distance from the design at which those rays begin, mm.
 const BEFORE_MM: f64 = 50.0;
+/// Distance from a tool's face at which rays square to it begin, mm: less than any cavity is wide.
+const BESIDE_MM: f64 = 0.01;
+/// What is between the places where a spline's error was measured: a dozen a span see all but a hundredth of it.
+const BETWEEN: f64 = 1.02;
 /// What coordinates of nine decimals and rounding of the crossing leave, mm.
 const ROUNDING_MM: f64 = 2e-9;
 /// What points and curves of a file may be apart, mm: what Morion's files say of themselves.
@@ -38,10 +43,13 @@ impl<'a> StepExport<'a> {
     /// # Errors
     /// [`Error::Step`] when none suit it.
     pub(super) fn new(profile: &Profile, design: &'a Design) -> Result<Self, Error> {
-        let fit = fit_splines(&design.mirror).and_then(|fit| {
-            fit.check_land(design.border.as_ref())?;
-            Ok(fit)
-        });
+        let fit = match &design.tool {
+            Some(tool) => fit_tool(&design.mirror, tool),
+            None => fit_splines(&design.mirror).and_then(|fit| {
+                fit.check_land(design.border.as_ref())?;
+                Ok(fit)
+            }),
+        };
         let fail = |source| Error::Step { profile: profile.name.clone(), source };
         let fit = fit.map_err(fail)?;
         let (schema, pmi) = match profile.step {
@@ -58,7 +66,7 @@ impl<'a> StepExport<'a> {
 
     /// The errors that the file may have.
     fn promise(&self) -> Promise {
-        let chord_mm = self.fit.error_mm + ROUNDING_MM;
+        let chord_mm = BETWEEN * self.fit.error_mm + ROUNDING_MM;
         Promise { chord_mm, ..Promise::of_profile(&self.design.profile) }
     }
 }
@@ -69,8 +77,11 @@ pub(super) fn compared(
     design: &Design,
     limit_mm: f64,
 ) -> (StepBodyFacts, Vec<FileFault>) {
-    let off = SurfaceDepartures::of(body, &design.mirror);
-    let (facts, designed_mm3) = (body.facts(), design.volume());
+    let (off, size_mm) = match &design.tool {
+        Some(tool) => (SurfaceDepartures::of_tool(body, &design.mirror, tool), tool.size_mm),
+        None => (SurfaceDepartures::of(body, &design.mirror), design.mounting.size_mm),
+    };
+    let (facts, (_, designed_mm3)) = (body.facts(), design.made_body());
     let mut faults = Vec::new();
     if off.missed > 0 {
         faults.push(FileFault::Missed { missed: off.missed, rays: off.rays });
@@ -79,7 +90,7 @@ pub(super) fn compared(
         faults.push(FileFault::SurfaceError { off_mm: off.along_normal_mm, limit_mm });
     }
     // Every face may be off by so much.
-    let [x, y, z] = design.mounting.size_mm;
+    let [x, y, z] = size_mm;
     let allowed = (limit_mm + UNCERTAINTY_MM) * 2.0 * (x * y + y * z + z * x);
     if !((facts.volume_mm3 - designed_mm3).abs() <= allowed) {
         faults.push(FileFault::VolumeError { found_mm3: facts.volume_mm3, designed_mm3 });
@@ -102,7 +113,7 @@ impl CadExport for StepExport<'_> {
     }
 
     fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
-        write_step(&mut out, &self.fit, self.design.features(), &self.schema, label)
+        write_step(&mut out, &self.fit, self.design.made_body().0, &self.schema, label)
     }
 
     fn bytes(&self, label: &Label) -> u64 {
@@ -115,7 +126,9 @@ impl CadExport for StepExport<'_> {
         let (body, facts, faults) = match Body::read(bytes) {
             Ok(body) => {
                 let (facts, faults) = compared(&body, self.design, promise.chord_mm);
-                (Some((body, promise)), Some(facts), faults)
+                // The camera sees what is formed on a tool, not the tool.
+                let seen = self.design.tool.is_none().then_some((body, promise));
+                (seen, Some(facts), faults)
             }
             Err(error) => (None, None, vec![FileFault::Unreadable(error.to_string())]),
         };
@@ -145,21 +158,28 @@ struct SurfaceDepartures {
 impl SurfaceDepartures {
     /// Of rays in a grid over the mirror's outline, none of which is on a line between panels of the middle.
     fn of(body: &Body, mirror: &Mirror) -> Self {
-        let outline = mirror.full_outline();
-        let bounds = outline.bounds();
-        let share = |k: u32, beside: f64| (f64::from(k) + beside) / f64::from(ACROSS);
         let mut all = Self::default();
-        for row in 0..ACROSS {
-            let line = (0..ACROSS).map(|column| {
-                bounds.min + bounds.size() * DVec2::new(share(column, 0.37), share(row, 0.41))
-            });
-            let places: Vec<DVec2> = line.filter(|&q| outline.aims(q)).collect();
+        for places in grid(mirror) {
             for (&q, place) in places.iter().zip(mirror.eval_many(&places)) {
                 let at = mirror.position(q, &place);
                 let direction = mirror.chart.ray(q, 0.0).direction;
                 let ray = Ray { origin: at - direction * BEFORE_MM, direction };
                 all.add(body, &ray, (at, mirror.normal(q, &place).normalize()));
             }
+        }
+        all
+    }
+
+    /// The same of rays square to the face of a tool, from just outside.
+    fn of_tool(body: &Body, mirror: &Mirror, tool: &FormingTool) -> Self {
+        let surface = tool.surface(mirror);
+        let mut all = Self::default();
+        for q in grid(mirror).concat() {
+            let place = mirror.extended_surface(q);
+            let at = tool.from_part(surface.beside(&place));
+            let normal = tool.outward(place.normal());
+            let ray = Ray { origin: at + BESIDE_MM * normal, direction: -normal };
+            all.add(body, &ray, (at, normal));
         }
         all
     }
@@ -175,6 +195,20 @@ impl SurfaceDepartures {
         self.along_normal_mm = self.along_normal_mm.max(off);
         self.normal_rad = self.normal_rad.max(angle(hit.normal, normal));
     }
+}
+
+/// Places in lines of a grid over the mirror's outline, none of which is on a line between panels of the middle.
+fn grid(mirror: &Mirror) -> Vec<Vec<DVec2>> {
+    let outline = mirror.full_outline();
+    let bounds = outline.bounds();
+    let share = |k: u32, beside: f64| (f64::from(k) + beside) / f64::from(ACROSS);
+    let place = |column: u32, row: u32| {
+        bounds.min + bounds.size() * DVec2::new(share(column, 0.37), share(row, 0.41))
+    };
+    let line = |row: u32| -> Vec<DVec2> {
+        (0..ACROSS).map(|column| place(column, row)).filter(|&q| outline.aims(q)).collect()
+    };
+    (0..ACROSS).map(line).collect()
 }
 
 #[cfg(test)]

@@ -279,7 +279,7 @@ fn tracks(
     PreparedStudy { design, engine, .. }: &PreparedStudy,
 ) -> Result<Option<MachiningReport>, Error> {
     let ToleranceSpec { sources, texture, budget_px, .. } = &engine.spec;
-    if !run.profile.is_one_surface() {
+    if !run.profile.is_one_surface() || run.profile.part.forming.is_some() {
         return Ok(None);
     }
     let Some(tracks) = sources.iter().find(|source| source.kind == Perturbation::Stepover) else {

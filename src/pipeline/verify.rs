@@ -105,8 +105,12 @@ impl Command for Verify<'_> {
     /// Reads an STL, OBJ, 3MF, GLB or STEP of any making, checks it and traces it against what the profile asks for.
     fn run(&self, run: &mut Run) -> Result<VerifyReport, Error> {
         let bytes = publish::read(self.path)?;
-        let design = run.design()?;
+        let mut design = run.design()?;
         let format = self.format()?;
+        // What is measured was formed: no tool.
+        if self.options.align || matches!(format, VerifiedFormat::Points(_)) {
+            design = design.formed();
+        }
         if let VerifiedFormat::Points(format) = format {
             let VerifyOptions { units, probe_mm, .. } = self.options;
             let list = PointList { name: self.name(), format, units, probe_mm };
@@ -119,7 +123,7 @@ impl Command for Verify<'_> {
         let part = Part {
             run,
             design: &design,
-            size: SizeRange::of(&design.mirror, design.border.as_ref()),
+            size: SizeRange::of(&design.mirror, design.made_body().0.border),
         };
         let found = match format {
             VerifiedFormat::Mesh(format) => self.look(&part, format, bytes)?,

@@ -11,6 +11,7 @@ mod check;
 mod complaint;
 mod drawing;
 mod format;
+mod forming;
 mod hole;
 mod lines;
 mod mesh_goal;
@@ -39,6 +40,7 @@ pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use drawing::{DrawingSpec, PaperSize, TitleBlock, ViewArrangement};
 pub use format::{CadFormat, DrawingFormat, FileFormat, MeshFormat, StepProtocol};
+pub use forming::{FormingSpec, MirrorSide, ToolForm, Vents};
 pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
@@ -229,6 +231,8 @@ pub struct PartSpec {
     pub border: Option<BorderSpec>,
     /// Holes with a table of their own, in the profile's order.
     pub holes: Vec<HoleSpec>,
+    /// The tool that is made in the part's place; none for the part itself.
+    pub forming: Option<FormingSpec>,
 }
 
 /// Sampling of the mirror by the sag table; without a pitch or a step that one is 1/200 of the part's

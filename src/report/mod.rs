@@ -25,6 +25,7 @@ mod replay;
 mod sharpness;
 mod text_layout;
 mod tolerance;
+mod tool;
 mod unwanted_views;
 mod unwrap;
 mod visible;

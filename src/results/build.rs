@@ -5,7 +5,7 @@ use super::SharpnessFacts;
 use super::{AlignmentFacts, UnitFacts};
 use super::{
     DrawingFacts, FileFacts, HoleFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts,
-    StepFacts, TraceFacts, Verdict,
+    StepFacts, ToolFacts, TraceFacts, Verdict,
 };
 use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
@@ -40,7 +40,10 @@ pub struct BuildReport {
     /// The solid that was made; absent where there is no mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solid: Option<SolidFacts>,
-    /// The part's holes; absent where it has none.
+    /// The forming tool that is made in the part's place; absent of the part itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool: Option<ToolFacts>,
+    /// Holes of the part, or of the tool; absent where it has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub holes: Vec<HoleFacts>,
     /// The files written.

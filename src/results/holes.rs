@@ -4,7 +4,7 @@ use crate::geom::PartFeatures;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A hole of the part.
+/// A hole of the part, or of the forming tool that is made in its place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HoleFacts {
     /// Its number in datum features and in STEP, from 1.

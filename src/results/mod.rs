@@ -19,6 +19,7 @@ mod replay;
 mod sharpness;
 mod study_faults;
 mod tolerance;
+mod tool;
 mod unwrap;
 mod wording;
 
@@ -51,6 +52,7 @@ pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{ApertureFacts, SharpnessFacts};
 pub use study_faults::{CuttingFault, ReplayFault, StudyFault};
 pub use tolerance::{FacetsFrom, ToleranceReport};
+pub use tool::ToolFacts;
 pub use unwrap::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
 pub(crate) use wording::{
     coordinate, digits, displacement, figures, file_size, of_at_most, percent, three_digits,

@@ -90,7 +90,7 @@ impl Solid {
             return Err(SolidError::BelowBasePlane { lowest_mm });
         }
         let top_mm = features.foot_mm();
-        if !(lowest_mm > top_mm) {
+        if !(lowest_mm > top_mm) && !face.may_be_sunk() {
             return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
         // A solid shows that no edge of the rim is missing.

@@ -34,8 +34,7 @@ impl Feet {
         let mut feet = Self { places: Vec::new(), under: Vec::new(), lowest: Vec::new() };
         let mut add = |v: u32, new: bool| {
             if new {
-                let foot = face.rays().passing(at(v), top_mm).extend(top_mm);
-                feet.places.push(foot);
+                feet.places.push(face.foot(v, top_mm));
                 feet.lowest.push(v);
             }
             let foot = feet.places.len() - 1;

@@ -82,6 +82,9 @@ impl<'a> CutterSurvey<'a> {
         if !profile.is_one_surface() {
             return Err(MachiningError::Panels);
         }
+        if let Some(tool) = &profile.part.forming {
+            return Err(MachiningError::Tool { form: tool.form.name() });
+        }
         let analysis = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());
         let (best, mut raster) = directed(&analysis, options);
         let least_hollow_mm = analysis.least_hollow_mm();

@@ -4,6 +4,7 @@ use super::vertex_check::worst_vertex;
 use crate::brep::{Body, BodyFacts};
 use crate::design::Design;
 use crate::export::ImportedMesh;
+use crate::forming::FormedFace;
 use crate::geom::{DVec2, DVec3};
 use crate::num::stats::Summary;
 use crate::optics::reflect;
@@ -75,8 +76,7 @@ impl FileCheck {
         (promise, shortcuts): (Promise, bool),
         each: EachStrip,
     ) -> (Self, TraceCounts) {
-        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
-        let closed = solid.check.closed && solid.check.oriented && solid.check.manifold;
+        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex, closed } = checked;
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = Scene::for_cameras(mesh, closed).among(obstacles.map(Arc::new));
         let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
@@ -219,20 +219,32 @@ pub(crate) struct CheckedMesh {
     reread: ImportedMesh,
     solid: SolidFacts,
     vertex: Option<VertexFacts>,
+    /// Whether the mesh is known to be closed.
+    closed: bool,
 }
 
 impl CheckedMesh {
     /// The checks of a mesh as a solid, and of its vertices against `design`; what it is as a solid may be
-    /// proven already.
+    /// proven already. Of a tool's mesh, the mirror that is formed on it is what rays are traced at.
     pub(crate) fn new(design: &Design, reread: ImportedMesh, proven: Option<SolidCheck>) -> Self {
-        let check = proven.unwrap_or_else(|| check(&reread.mesh)).through(design.holes());
-        let solid = SolidFacts::new(&check, design.volume());
-        let vertex = worst_vertex(design, &reread.mesh.vertices);
-        let vertex = vertex.map(|(vertex, off)| {
-            let at = reread.mesh.vertices[vertex].to_array();
-            VertexFacts { at_mm: at, off_mm: off }
-        });
-        Self { reread, solid, vertex }
+        let (features, volume_mm3) = design.made_body();
+        let check = proven.unwrap_or_else(|| check(&reread.mesh)).through(features.through());
+        let solid = SolidFacts::new(&check, volume_mm3);
+        let vertices = &reread.mesh.vertices;
+        let facts = |(vertex, off_mm): (usize, f64)| VertexFacts {
+            at_mm: vertices[vertex].to_array(),
+            off_mm,
+        };
+        if let Some(tool) = &design.tool {
+            let FormedFace { mesh, worst_vertex } =
+                FormedFace::of(tool, &design.mirror, &reread.mesh);
+            let vertex = worst_vertex.map(facts);
+            let formed = ImportedMesh { mesh, normals: None };
+            return Self { reread: formed, solid, vertex, closed: false };
+        }
+        let vertex = worst_vertex(design, vertices).map(facts);
+        let closed = check.closed && check.oriented && check.manifold;
+        Self { reread, solid, vertex, closed }
     }
 }
 

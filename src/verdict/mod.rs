@@ -122,6 +122,9 @@ pub(crate) fn unfilled(frame: &FrameFill, least: LeastFilled) -> Option<PictureF
 /// What the chord error, and the chords of a round rim and of the stock's circles, may take off the
 /// volume, mm^3.
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
+    if let Some(tool) = &design.tool {
+        return tool.volume_tolerance_mm3(chord_mm);
+    }
     let outline = design.mirror.full_outline();
     let faces = outline.area() * chord_mm + design.features().chords_mm3();
     match outline {
@@ -163,8 +166,8 @@ fn shape(design: &Design, check: &FileCheck, trace: &TraceFacts) -> Vec<ShapeFau
         Precision::Double => [ROUNDING; 2],
         Precision::Single => [ROUNDING_SINGLE, ROUNDING_VERTEX],
     };
-    let allowed_mm3 = volume_tolerance(design, chord_mm) + rounding * design.volume();
     let (found_mm3, designed_mm3) = (solid.check.volume_mm3, solid.volume_expected_mm3);
+    let allowed_mm3 = volume_tolerance(design, chord_mm) + rounding * designed_mm3;
     if !((found_mm3 - designed_mm3).abs() <= allowed_mm3) {
         faults.push(ShapeFault::Volume { found_mm3, designed_mm3, allowed_mm3 });
     }

@@ -20,6 +20,7 @@ mod dry_run;
 mod economy;
 mod facet_limits;
 mod fingerprint;
+mod forming;
 mod frame;
 mod fuzzed;
 mod given_mirrors;

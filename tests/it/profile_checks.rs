@@ -46,7 +46,13 @@ fn the_shipped_conquistador_is_the_papers() {
                 degree: 12,
                 minimax: false,
             }),
-            part: PartSpec { width_mm: 60.0, base_mm: 5.0, border: None, holes: vec![] },
+            part: PartSpec {
+                width_mm: 60.0,
+                base_mm: 5.0,
+                border: None,
+                holes: vec![],
+                forming: None
+            },
             step: StepProtocol::Ap214,
             drawing: DrawingSpec::default(),
             mesh: MeshGoal::limits(Some(2.0), Some(1.0)),

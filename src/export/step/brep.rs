@@ -3,8 +3,8 @@
 use super::b_spline::{BSplineSurface, KnotVector};
 use super::border::write_border;
 use super::face_role::FaceRole;
-use super::fit::{FittedFaces, FittedMirror};
-use super::hole::write_hole;
+use super::fit::{FittedFaces, FittedMirror, WallFoot};
+use super::hole::{cone, write_hole};
 use super::panels::{WrittenSurface, write_panels};
 use super::part21::{DataSection, InstanceId, list};
 use super::rim_curve::RimCurve;
@@ -21,17 +21,17 @@ pub(super) fn write_body(
     let foot_mm = features.foot_mm();
     let foot = match &fit.faces {
         FittedFaces::Panel { net, straight, folded } => {
-            write_panels(data, net, [*straight, *folded], foot_mm, &mut faces)
+            write_panels(data, net, [*straight, *folded], (foot_mm, fit.foot), &mut faces)
         }
         FittedFaces::Panels(panels) => panels.write(data, foot_mm, &mut faces),
         FittedFaces::Trimmed { net, outer: (outer_mm, outer), inner, middle_mm } => {
             let outer = cut(data, net, outer, *outer_mm, inner.as_ref(), *middle_mm, &mut faces);
-            wall(data, outer, *outer_mm, foot_mm, &mut faces)
+            wall(data, outer, *outer_mm, (foot_mm, WallFoot::Below), &mut faces)
         }
         FittedFaces::Revolved { radius, points } => {
             let land = features.border.and_then(|border| border.land.as_ref());
             let outer = turned(data, radius, points, land, &mut lows, &mut faces);
-            wall(data, outer, points[points.len() - 1].x, foot_mm, &mut faces)
+            wall(data, outer, points[points.len() - 1].x, (foot_mm, fit.foot), &mut faces)
         }
     };
     match features.border {
@@ -52,14 +52,26 @@ pub(super) fn write_body(
     data.add(format_args!("MANIFOLD_SOLID_BREP('mirror',{shell})"))
 }
 
-/// The wall of a round mirror from its rim down to `foot_mm`; the wall's foot.
+/// The wall of a round mirror from its rim to its foot at `foot_mm`, below it or, of a mould, above it; the foot.
 fn wall(
     data: &mut DataSection,
     rim: BrepEdge,
     rim_mm: f64,
-    foot_mm: f64,
+    (foot_mm, foot): (f64, WallFoot),
     faces: &mut Vec<InstanceId>,
 ) -> Vec<OrientedEdge> {
+    if let WallFoot::Drafted(slant) = foot {
+        let rim_at = DVec2::new(rim_mm, rim.from.at.z);
+        let radius_mm = rim_mm + slant * (rim_at.y - foot_mm).abs();
+        let foot_at = DVec2::new(radius_mm, foot_mm);
+        let foot = data.circle_edge(DVec3::Z * foot_mm, radius_mm);
+        let is_sunk = rim_at.y < foot_mm;
+        let ends = if is_sunk { [rim_at, foot_at] } else { [foot_at, rim_at] };
+        let edges = if is_sunk { [rim, foot] } else { [foot, rim] };
+        let cone = cone(data, DVec2::ZERO, ends);
+        faces.push(data.turned_face(FaceRole::Wall, edges, cone, !is_sunk));
+        return vec![foot.forward()];
+    }
     let foot = data.circle_edge(DVec3::Z * foot_mm, rim_mm);
     faces.push(data.cylinder_face(FaceRole::Wall, [foot, rim], (DVec2::ZERO, rim_mm), true));
     vec![foot.forward()]

@@ -26,6 +26,17 @@ pub struct FittedMirror {
     /// The largest distance of the splines from the mirror, mm, at corresponding points: on a grid
     /// four times as dense as the one that they were fitted to, and along a round rim.
     pub error_mm: f64,
+    pub(super) foot: WallFoot,
+}
+
+/// Where the walls below a fitted mirror end, seen from above.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum WallFoot {
+    /// Straight below.
+    Below,
+    /// Outwards by so many mm for each mm from the plane of the foot: square to the sides of a rectangle, and to both at its
+    /// corners, or along the radius.
+    Drafted(f64),
 }
 
 /// The faces of a fitted mirror.
@@ -85,14 +96,15 @@ pub fn fit_splines(mirror: &Mirror) -> Result<FittedMirror, FitError> {
         let error_mm = fits.iter().map(|(_, error_mm)| *error_mm).fold(0.0, max_or_nan);
         let nets = fits.into_iter().map(|(net, _)| net).collect();
         let panels = FittedPanels { parts: surface.parts.clone(), nets, chart: mirror.chart };
-        return Ok(FittedMirror { faces: FittedFaces::Panels(panels), error_mm });
+        let foot = WallFoot::Below;
+        return Ok(FittedMirror { faces: FittedFaces::Panels(panels), error_mm, foot });
     }
     let surface = ParametricSurface::new(mirror)?;
     let Some(ring) = surface.ring else {
         let (net, error_mm) = fit_bicubic(&surface, mirror.folded)?;
         let faces =
             FittedFaces::Panel { net, straight: surface.is_direct(), folded: mirror.folded };
-        return Ok(FittedMirror { faces, error_mm });
+        return Ok(FittedMirror { faces, error_mm, foot: WallFoot::Below });
     };
     if !surface.is_round() {
         return fit_trimmed(mirror, &surface, ring);
@@ -115,11 +127,12 @@ fn fit_trimmed(
     let rim = |rho: f64| Ok((written_digits(rho), RimCurve::new(&net, written_digits(rho))?));
     let inner = if ring[0] > 0.0 { Some(rim(ring[0])?) } else { None };
     let (outer, middle_mm) = (rim(ring[1])?, written_digits(mirror.rim_mm(ring[0])));
-    Ok(FittedMirror { faces: FittedFaces::Trimmed { net, outer, inner, middle_mm }, error_mm })
+    let faces = FittedFaces::Trimmed { net, outer, inner, middle_mm };
+    Ok(FittedMirror { faces, error_mm, foot: WallFoot::Below })
 }
 
 /// The bicubic surface with the fewest control points found, and its distance from the mirror, mm.
-fn fit_bicubic(
+pub(super) fn fit_bicubic(
     surface: &ParametricSurface,
     folded: bool,
 ) -> Result<(BSplineSurface, f64), FitError> {
@@ -152,7 +165,10 @@ fn fit_bicubic(
 }
 
 /// The surface of revolution of a round mirror.
-fn fit_revolved(surface: &ParametricSurface, ring: [f64; 2]) -> Result<FittedMirror, FitError> {
+pub(super) fn fit_revolved(
+    surface: &ParametricSurface,
+    ring: [f64; 2],
+) -> Result<FittedMirror, FitError> {
     let ends = ring.map(written_digits);
     let lines = KnotLines { axis: 0, ends, even: false, across: vec![0.0] };
     let mut limit = 0.2 * LIMIT_MM;
@@ -177,7 +193,8 @@ fn fit_revolved(surface: &ParametricSurface, ring: [f64; 2]) -> Result<FittedMir
         if error_mm <= LIMIT_MM {
             let at = |(rho, &z): (f64, &f64)| DVec3::new(written_digits(rho), 0.0, z);
             let points = radius.greville().into_iter().zip(&z).map(at).collect();
-            return Ok(FittedMirror { faces: FittedFaces::Revolved { radius, points }, error_mm });
+            let faces = FittedFaces::Revolved { radius, points };
+            return Ok(FittedMirror { faces, error_mm, foot: WallFoot::Below });
         }
         if !(error_mm >= reached.0) {
             reached = (error_mm, [radius.breaks().len() - 1, 1]);

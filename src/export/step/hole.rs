@@ -54,7 +54,7 @@ fn ground(
 }
 
 /// The cone about an upright axis between two circles, or a circle and a point, of such radius and Z.
-fn cone(data: &mut DataSection, axis: DVec2, [low, high]: [DVec2; 2]) -> InstanceId {
+pub(super) fn cone(data: &mut DataSection, axis: DVec2, [low, high]: [DVec2; 2]) -> InstanceId {
     // Its radius grows along the placement's Z.
     let wider = if high.x > low.x { DVec3::Z } else { DVec3::NEG_Z };
     let place = data.placement(axis.extend(low.y), wider, DVec3::X);

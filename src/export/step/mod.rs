@@ -18,6 +18,7 @@ mod border;
 mod brep;
 mod face_role;
 mod fit;
+mod fit_tool;
 mod hole;
 mod knots;
 mod panelled;
@@ -29,6 +30,7 @@ mod rim_curve;
 mod topology;
 
 pub use fit::{FittedMirror, fit_splines};
+pub use fit_tool::fit_tool;
 pub use pmi::Pmi;
 
 use super::Label;
@@ -74,6 +76,12 @@ pub enum FitError {
          by radius_mm and conic alone, drill elsewhere, or leave step out"
     )]
     Land,
+    /// A forming tool with a round outline for a mirror that is not round.
+    #[error(
+        "the tool of a mirror with a round outline can be written as STEP only when the mirror is round; \
+         leave step out"
+    )]
+    RoundTool,
     /// A mirror that is neither over X and Y nor round.
     #[error(
         "a mirror with a round outline that is itself not round can be written as STEP only when \

@@ -2,6 +2,7 @@
 
 use super::b_spline::{BSplineSurface, KnotVector};
 use super::face_role::FaceRole;
+use super::fit::WallFoot;
 use super::part21::{DataSection, InstanceId};
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge};
 use crate::geom::{DVec2, DVec3};
@@ -20,6 +21,8 @@ pub(super) struct SurfaceSide {
     ids: Vec<InstanceId>,
     points: Vec<DVec3>,
     axis: KnotVector,
+    /// Along an axis of the plane, out of the surface.
+    out: DVec2,
 }
 
 impl WrittenSurface {
@@ -43,17 +46,47 @@ impl WrittenSurface {
     pub(super) fn sides(&self) -> [SurfaceSide; 4] {
         let [u, v] = &self.net.axes;
         let (last_u, last_v) = (u.count() - 1, v.count() - 1);
-        let side = |axis: KnotVector, places: Vec<(usize, usize)>| SurfaceSide {
+        let side = |out: DVec2, axis: KnotVector, places: Vec<(usize, usize)>| SurfaceSide {
             ids: places.iter().map(|&(i, j)| self.ids[i][j]).collect(),
             points: places.iter().map(|&(i, j)| self.net.control_row(i)[j]).collect(),
             axis,
+            out,
         };
         [
-            side(u.clone(), (0..=last_u).map(|i| (i, 0)).collect()),
-            side(v.clone(), (0..=last_v).map(|j| (last_u, j)).collect()),
-            side(u.reversed(), (0..=last_u).rev().map(|i| (i, last_v)).collect()),
-            side(v.reversed(), (0..=last_v).rev().map(|j| (0, j)).collect()),
+            side(DVec2::NEG_Y, u.clone(), (0..=last_u).map(|i| (i, 0)).collect()),
+            side(DVec2::X, v.clone(), (0..=last_v).map(|j| (last_u, j)).collect()),
+            side(DVec2::Y, u.reversed(), (0..=last_u).rev().map(|i| (i, last_v)).collect()),
+            side(DVec2::NEG_X, v.reversed(), (0..=last_v).rev().map(|j| (0, j)).collect()),
         ]
+    }
+}
+
+impl SurfaceSide {
+    /// Control points of the foot of the wall below it; of a `folded` mirror a side begins or ends on the ridge.
+    fn feet(&self, (foot_mm, shape): (f64, WallFoot), folded: bool) -> Vec<DVec3> {
+        let WallFoot::Drafted(slant) = shape else {
+            return self.points.iter().map(|p| p.truncate().extend(foot_mm)).collect();
+        };
+        let sites = self.axis.sites();
+        let [first, last] = [sites[0], sites[sites.len() - 1]];
+        // At its corners the foot is moved along the side too, by as much.
+        let corner = |p: &DVec3| if folded && p.y == 0.0 { 0.0 } else { 1.0 };
+        let ends = [-corner(&self.points[0]), corner(&self.points[self.points.len() - 1])];
+        let feet: Vec<DVec2> = sites
+            .iter()
+            .map(|&s| {
+                let (from, basis) = self.axis.basis(s);
+                let p: DVec3 = (0..4).map(|k| basis[k] * self.points[from + k]).sum();
+                let along = ends[0] + (ends[1] - ends[0]) * (s - first) / (last - first);
+                let way = self.out + along * self.out.perp();
+                p.truncate() + slant * (p.z - foot_mm).abs() * way
+            })
+            .collect();
+        let [x, y] = [0, 1].map(|axis: usize| {
+            let values: Vec<f64> = feet.iter().map(|foot| foot[axis]).collect();
+            self.axis.fit(1, &values)
+        });
+        x.into_iter().zip(y).map(|(x, y)| DVec3::new(x, y, foot_mm)).collect()
     }
 }
 
@@ -90,13 +123,13 @@ impl CornerVertices {
     }
 }
 
-/// Writes the faces of one panel or two and their walls down to `foot_mm`; the walls' feet, counterclockwise
+/// Writes the faces of one panel or two and their walls to their foot at a height, mm; the walls' feet, counterclockwise
 /// from above.
 pub(super) fn write_panels(
     data: &mut DataSection,
     net: &BSplineSurface,
     [straight, folded]: [bool; 2],
-    foot_mm: f64,
+    foot: (f64, WallFoot),
     faces: &mut Vec<InstanceId>,
 ) -> Vec<OrientedEdge> {
     let sides = optical_faces(data, net, folded, faces);
@@ -105,7 +138,7 @@ pub(super) fn write_panels(
     } else {
         sides.into_iter().flatten().map(|side| vec![side]).collect()
     };
-    write_walls(data, &walls, straight, foot_mm, faces)
+    write_walls(data, &walls, [straight, folded], foot, faces)
 }
 
 /// The top of a wall: a side of a panel.
@@ -157,20 +190,25 @@ fn optical_faces(
     walls
 }
 
-/// Writes the walls below their tops down to `foot_mm`, planes if they are `straight`; their feet.
+/// Writes the walls from their tops to their foot at a height, mm, planes if they are `straight`; their feet.
 fn write_walls(
     data: &mut DataSection,
     walls: &[Vec<WallTop>],
-    straight: bool,
-    foot_mm: f64,
+    [straight, folded]: [bool; 2],
+    foot: (f64, WallFoot),
     faces: &mut Vec<InstanceId>,
 ) -> Vec<OrientedEdge> {
+    let below: Vec<Vec<DVec3>> = walls.iter().map(|wall| wall[0].0.feet(foot, folded)).collect();
     let posts: Vec<BrepEdge> = walls
         .iter()
-        .map(|wall| {
+        .zip(&below)
+        .map(|(wall, below)| {
             let top = wall[0].1.from;
-            let foot = data.vertex(top.at.truncate().extend(foot_mm));
-            data.line_edge(foot, top)
+            let low = data.vertex(below[0]);
+            match foot {
+                (_, WallFoot::Below) => data.line_edge(low, top),
+                (_, WallFoot::Drafted(_)) => data.slanted_edge(low, top),
+            }
         })
         .collect();
     let mut feet = Vec::new();
@@ -179,7 +217,7 @@ fn write_walls(
         let (foot, surface) = if straight {
             (data.line_edge(start.from, end.from), None)
         } else {
-            let (foot, surface) = ruled(data, &wall[0].0, [start.from, end.from], foot_mm);
+            let (foot, surface) = ruled(data, &wall[0].0, [start.from, end.from], &below[k]);
             (foot, Some(surface))
         };
         let mut boundary = vec![foot.forward(), end.forward()];
@@ -206,19 +244,19 @@ fn centre(net: &BSplineSurface) -> DVec2 {
     DVec2::new(u, v)
 }
 
-/// The vertical wall under a side that is not straight: its foot and its surface.
+/// The ruled wall under a side that is not straight: its foot and its surface.
 fn ruled(
     data: &mut DataSection,
     side: &SurfaceSide,
     ends: [BrepVertex; 2],
-    foot_mm: f64,
+    below: &[DVec3],
 ) -> (BrepEdge, InstanceId) {
     let last = side.ids.len() - 1;
     let feet: Vec<InstanceId> = (0..=last)
         .map(|k| match k {
             0 => ends[0].point,
             _ if k == last => ends[1].point,
-            _ => data.point(side.points[k].truncate().extend(foot_mm)),
+            _ => data.point(below[k]),
         })
         .collect();
     let curve = data.spline_curve(&feet, &side.axis);

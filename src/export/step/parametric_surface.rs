@@ -5,6 +5,7 @@
 //! distance from the axis.
 
 use super::FitError;
+use crate::forming::ParallelSurface;
 use crate::geom::{DVec2, DVec3, Outline, Rect};
 use crate::mirror::{HeightField, HeightRow, LocalSurface, Mirror, Surface};
 use crate::parallel;
@@ -30,6 +31,8 @@ pub(super) struct ParametricSurface<'a> {
     pub even: [bool; 2],
     /// Whether each side is kept in its plane through the pinhole, to the last digit.
     plane_sides: bool,
+    /// Distance from the mirror along its normals, mm.
+    offset_mm: f64,
 }
 
 /// Height along the radius of a surface of revolution: a table out to its rim, and what continues it.
@@ -58,6 +61,7 @@ impl<'a> ParametricSurface<'a> {
             radial: None,
             even: mirror.mirror_symmetric,
             plane_sides: false,
+            offset_mm: 0.0,
         };
         let Outline::Ring { inner, outer } = mirror.outline else { return Ok(surface) };
         let out = |r: f64| {
@@ -86,6 +90,26 @@ impl<'a> ParametricSurface<'a> {
         Self { plane_sides: true, ..self }
     }
 
+    /// The surface beside the panel by `offset_mm` along its normals.
+    ///
+    /// # Errors
+    /// [`FitError::RoundTool`] of a round outline with a mirror that is not round.
+    pub(super) fn beside(mut self, offset_mm: f64) -> Result<Self, FitError> {
+        self.offset_mm = offset_mm;
+        let Outline::Ring { inner, outer } = self.mirror.outline else { return Ok(self) };
+        if !self.is_round() {
+            return Err(FitError::RoundTool);
+        }
+        let parallel = ParallelSurface { mirror: self.mirror, offset_mm };
+        let ring = [inner, outer].map(|r| {
+            let place = self.mirror.extended_surface(DVec2::new(r, 0.0));
+            parallel.beside(&place).x
+        });
+        self.ring = Some(ring);
+        self.radial = Some(self.radial(ring)?);
+        Ok(self)
+    }
+
     /// A control point of the first or the last line along the axes of `ends`: in the planes of the sides, if they are kept.
     pub(super) fn on_plane_sides(&self, mut p: DVec3, ends: [[bool; 2]; 2]) -> DVec3 {
         let Rect { min, max } = self.domain;
@@ -102,7 +126,7 @@ impl<'a> ParametricSurface<'a> {
 
     /// Whether X and Y are the parameters themselves.
     pub(super) fn is_direct(&self) -> bool {
-        self.ring.is_some() || self.mirror.chart.is_plan()
+        self.ring.is_some() || self.mirror.chart.is_plan() && self.offset_mm == 0.0
     }
 
     /// Whether `q` belongs to the mirror.
@@ -125,6 +149,11 @@ impl<'a> ParametricSurface<'a> {
     /// The round part's Z (of a sum: its height) and slope at distance `rho` from the axis.
     fn radius(&self, rho: f64) -> Option<(f64, f64)> {
         let place = DVec2::new(rho, 0.0);
+        if self.offset_mm != 0.0 {
+            let parallel = ParallelSurface { mirror: self.mirror, offset_mm: self.offset_mm };
+            let surface = parallel.place_over(place)?;
+            return Some((parallel.beside(&surface).z, surface.slope.x));
+        }
         if let Surface::Sum(sum) = &self.mirror.surface {
             let point = sum.radial.at(place);
             return Some((point.f, point.slope.x));
@@ -212,7 +241,14 @@ impl<'a> ParametricSurface<'a> {
         let plane_mm = self.mirror.chart.plane_mm;
         let Some(radial) = &self.radial else {
             let row = self.mirror.surface.row(v);
-            let point = |&u: &f64| self.mirror.position(DVec2::new(u, v), &row.at(u));
+            let point = |&u: &f64| {
+                let (q, point) = (DVec2::new(u, v), row.at(u));
+                let at = self.mirror.position(q, &point);
+                match self.offset_mm {
+                    0.0 => at,
+                    d => at + d * self.mirror.normal(q, &point).normalize(),
+                }
+            };
             return us.iter().map(point).collect();
         };
         let rest = match &self.mirror.surface {

@@ -4,7 +4,7 @@ use super::super::border::{BorderFeature, BorderSpec};
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, RowsFormat, number, rows, within};
-use super::super::{HoleSpec, PartSpec};
+use super::super::{FormingSpec, HoleSpec, PartSpec};
 use super::{Entries, SIZE, is_size, reach};
 use crate::geom::{DVec2, Drilled};
 
@@ -71,7 +71,12 @@ fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Locate
 }
 
 /// Holds the rim and the holes to the rest of the profile.
-pub(super) fn check(reader: &mut ProfileReader, parts: &Entries, holes: &[Located<HoleSpec>]) {
+pub(super) fn check(
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    holes: &[Located<HoleSpec>],
+    tool: Option<&FormingSpec>,
+) {
     let found = &parts.part.border;
     if let (Some(corner), Some(layout)) = (found.corner, &parts.layout)
         && layout.is_round()
@@ -109,12 +114,21 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries, holes: &[Locate
             reader.complain(mark.at, message, hint);
         }
     }
-    // Of a mirror whose outline the design alone can tell, the design complains.
+    // Of a mirror whose outline the design alone can tell, and of a tool, the design complains.
+    if tool.is_some() {
+        return;
+    }
     let (Some(mirror), Some(width)) = (reach::known_outline(parts), parts.part.width) else {
         return;
     };
     let specs = holes.iter().map(|hole| hole.value).collect();
-    let part = PartSpec { width_mm: width.value, base_mm: base.value, border, holes: specs };
+    let part = PartSpec {
+        width_mm: width.value,
+        base_mm: base.value,
+        border,
+        holes: specs,
+        forming: None,
+    };
     for conflict in part.conflicts(&mirror) {
         let at = match conflict.feature {
             BorderFeature::Corners => found.corner.map_or(0, |corner| corner.at),
@@ -127,6 +141,11 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries, holes: &[Locate
 }
 
 impl BorderEntry {
+    /// Whether there is a border.
+    pub(super) fn has_width(&self) -> bool {
+        self.width.is_some()
+    }
+
     /// The border over a base of this thickness.
     pub(super) fn border(&self, base_mm: f64) -> Option<BorderSpec> {
         let spots = |list: &[Located<Drilled>]| list.iter().map(|spot| spot.value).collect();

@@ -7,7 +7,7 @@ use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, number, word};
 use super::super::words::list;
 use super::super::{AcceptanceSpec, FileFormat, MeshGoal, StepProtocol, schema};
-use super::{Entries, SIZE, border, is_size};
+use super::{Entries, SIZE, border, forming, is_size};
 
 /// The part's figures, each with its place.
 #[derive(Default)]
@@ -18,6 +18,7 @@ pub(super) struct PartEntry {
     /// Offset of a part without a height.
     pub(super) lacks_height: Option<usize>,
     pub(super) border: border::BorderEntry,
+    pub(super) form: Option<forming::FormEntry>,
 }
 
 pub(super) fn part(reader: &mut ProfileReader, root: &Section) -> PartEntry {
@@ -32,7 +33,8 @@ pub(super) fn part(reader: &mut ProfileReader, root: &Section) -> PartEntry {
     let height = number(reader, &section, "height_mm", Optional, SIZE, hint, is_size);
     let lacks_height = (!section.has("height_mm")).then_some(section.at);
     let border = border::read(reader, &section);
-    PartEntry { width, base, height, lacks_height, border }
+    let form = Some(forming::form(reader, &section));
+    PartEntry { width, base, height, lacks_height, border, form }
 }
 
 /// The mesh's limits; without a projection there is nothing to measure pixels by.

@@ -5,6 +5,7 @@ mod calibrated;
 mod camera;
 mod drawing;
 mod fits;
+mod forming;
 mod hole;
 mod layout;
 mod limits;
@@ -138,7 +139,9 @@ pub(super) fn profile(
     }
     target::check(reader, &parts);
     reach::check(reader, &parts);
-    border::check(reader, &parts, &holes);
+    let tool = forming::read(reader, &root, parts.part.form, parts.part.base.as_ref());
+    forming::check(reader, &parts, (tool.as_ref(), formats.as_deref(), step), &holes);
+    border::check(reader, &parts, &holes, tool.as_ref());
     if !reader.is_clean() {
         return None;
     }
@@ -165,7 +168,8 @@ pub(super) fn profile(
         part: {
             let (width_mm, base_mm) = (part.width?.value, part.base?.value);
             let holes = holes.into_iter().map(|hole| hole.value).collect();
-            PartSpec { width_mm, base_mm, border: part.border.border(base_mm), holes }
+            let border = part.border.border(base_mm);
+            PartSpec { width_mm, base_mm, border, holes, forming: tool }
         },
         mesh: mesh?,
         formats: formats?,

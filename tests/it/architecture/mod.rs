@@ -25,10 +25,11 @@ const TABLE: &[(&str, &[&str])] = &[
     ("publish", &["profile", "parallel"]),
     ("mirror", &["geom", "num", "parallel"]),
     ("brep", &["geom", "num", "parallel"]),
-    ("design", &["profile", "optics", "mirror", "num", "geom", "parallel"]),
+    ("forming", &["profile", "mirror", "geom", "num", "parallel"]),
+    ("design", &["forming", "profile", "optics", "mirror", "num", "geom", "parallel"]),
     ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),
     ("solid", &["geom", "num", "parallel"]),
-    ("export", &["solid", "mirror", "geom", "num", "parallel"]),
+    ("export", &["forming", "solid", "mirror", "geom", "num", "parallel"]),
     ("trace", &["brep", "geom", "optics", "num", "parallel"]),
     ("align", &["mirror", "optics", "geom", "num", "parallel"]),
     (

@@ -79,6 +79,8 @@ border_mm = 6
 corner_radius_mm = 2
 holes_mm = [[10.5, 8.5, 2]]
 marks_mm = [[-10.5, 8.5, 1]]";
+/// A mould of what is cast.
+const FORMED: &str = "base_mm = 2\nborder_mm = 3\nform = \"mould\"";
 /// A blind hole from the base.
 const BLIND: &str = "[[hole]]\nat_mm = [[0, 2]]\ndiameter_mm = 1\ndepth_mm = 0.5\n";
 
@@ -113,6 +115,7 @@ impl Runs {
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
             ("panels", PANELS.into()),
+            ("formed", edited(SMALL, &[("base_mm = 2", FORMED)])),
             ("rimmed", edited(SMALL, &[("base_mm = 2", RIM), ("\"stl\", \"obj\"", "\"pdf\"")])),
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
@@ -215,6 +218,7 @@ fn the_page_of_reports_has_every_key() {
         "oblique",
         "map",
         "panels",
+        "formed",
         "rimmed",
     ];
     let mut reports: Vec<Value> =

@@ -1,0 +1,60 @@
+//! The surface everywhere beside a mirror by the same distance.
+
+use crate::geom::{DVec2, DVec3};
+use crate::mirror::{Hessian, LocalSurface, Mirror};
+
+/// Steps of Newton's method for the place of a mirror beside a point.
+const MOST_STEPS: usize = 32;
+/// What ends them, as a share of the mirror's size.
+const CLOSE: f64 = 1e-12;
+
+/// A mirror's parallel surface S = P + d n: the points `offset_mm` from the mirror along its unit normals.
+#[derive(Debug, Clone, Copy)]
+pub struct ParallelSurface<'a> {
+    /// The mirror.
+    pub mirror: &'a Mirror,
+    /// d, mm: positive on the camera's side.
+    pub offset_mm: f64,
+}
+
+impl ParallelSurface<'_> {
+    /// The point beside a place of the mirror, mm.
+    #[must_use]
+    pub fn beside(&self, place: &LocalSurface) -> DVec3 {
+        if self.offset_mm == 0.0 {
+            return place.at;
+        }
+        place.at + self.offset_mm * place.normal()
+    }
+
+    /// Derivatives of X and of Y of that point by X and by Y of the place: I + d dn/d(X, Y), with
+    /// n = -p / g for the slope p and g = sqrt(1 + p p).
+    #[must_use]
+    pub fn plan_jacobian(&self, place: &LocalSurface) -> [DVec2; 2] {
+        let (g, p) = (place.stretch(), place.slope);
+        let Hessian { xx, xy, yy } = place.hessian;
+        let turn = place.hessian.times(p) / (g * g);
+        let by = |row: DVec2, p: f64| -self.offset_mm / g * (row - p * turn);
+        [DVec2::X + by(DVec2::new(xx, xy), p.x), DVec2::Y + by(DVec2::new(xy, yy), p.y)]
+    }
+
+    /// The place of the mirror beside which the surface has X and Y `xy`, on the mirror or on what goes on beyond its
+    /// rim; none where Newton's method finds none.
+    #[must_use]
+    pub fn place_over(&self, xy: DVec2) -> Option<LocalSurface> {
+        let size = self.mirror.full_outline().bounds().size().max_element();
+        let mut at = xy;
+        let mut place = self.mirror.extended_surface_over(at)?;
+        for _ in 0..MOST_STEPS {
+            let off = xy - self.beside(&place).truncate();
+            if off.length() <= CLOSE * size {
+                return Some(place);
+            }
+            let [x, y] = self.plan_jacobian(&place);
+            let det = x.perp_dot(y);
+            at += DVec2::new(off.x * y.y - off.y * x.y, off.y * x.x - off.x * y.x) / det;
+            place = self.mirror.extended_surface_over(at)?;
+        }
+        None
+    }
+}
