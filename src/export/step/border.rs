@@ -4,16 +4,16 @@ use super::face_role::FaceRole;
 use super::hole::write_hole;
 use super::part21::{DataSection, InstanceId, real};
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
-use crate::geom::{BlindHole, Border, Contour, DVec2, DVec3};
+use crate::geom::{Border, Contour, DVec2, DVec3, NumberedHole};
 use std::f64::consts::FRAC_PI_4;
 
 /// Writes the faces of `border` around the mirror's walls, whose feet run counterclockwise from
-/// above, with the lower ends of other holes in its base, and blind holes.
+/// above, with its own and blind `holes`, and the lower ends of other holes in its base.
 pub(super) fn write_border(
     data: &mut DataSection,
     border: &Border,
     feet: &[OrientedEdge],
-    (lows, blind): (&[BrepEdge], &[BlindHole]),
+    (lows, holes): (&[BrepEdge], &[NumberedHole]),
     faces: &mut Vec<InstanceId>,
 ) {
     let top_mm = border.top_mm;
@@ -34,14 +34,12 @@ pub(super) fn write_border(
         }
     };
     let (mut base, mut top) = (vec![reversed(&low)], vec![high, reversed(feet)]);
-    for hole in &border.holes {
-        let [low, high] = write_hole(data, &hole.meridian(top_mm), faces);
+    for hole in holes {
+        let [low, high] = write_hole(data, hole, faces);
         base.push(vec![low.forward()]);
-        top.push(vec![high.backward()]);
-    }
-    for hole in blind {
-        let [low, _] = write_hole(data, &hole.meridian(), faces);
-        base.push(vec![low.forward()]);
+        if hole.blind.is_none() {
+            top.push(vec![high.backward()]);
+        }
     }
     base.extend(lows.iter().map(|low| vec![low.forward()]));
     for (k, mark) in border.marks.iter().enumerate() {

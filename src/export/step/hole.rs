@@ -3,16 +3,16 @@
 use super::face_role::FaceRole;
 use super::part21::{DataSection, InstanceId, real};
 use super::topology::BrepEdge;
-use crate::geom::{DVec2, DVec3, HoleMeridian};
+use crate::geom::{DVec2, DVec3, NumberedHole};
 use crate::num::atan2;
 
 /// Writes the faces of a hole; the circle in which it opens in the base, and the highest one.
 pub(super) fn write_hole(
     data: &mut DataSection,
-    hole: &HoleMeridian,
+    hole: &NumberedHole,
     faces: &mut Vec<InstanceId>,
 ) -> [BrepEdge; 2] {
-    let role = data.next_hole();
+    let (role, hole) = (FaceRole::Hole(*hole), &hole.meridian);
     let mouth = data.circle_edge(hole.axis.extend(0.0), hole.mouth_radius());
     let mut last = mouth;
     for [low, high] in hole.pieces() {
@@ -54,7 +54,7 @@ fn ground(
 }
 
 /// The cone about an upright axis between two circles, or a circle and a point, of such radius and Z.
-fn cone(data: &mut DataSection, axis: DVec2, [low, high]: [DVec2; 2]) -> InstanceId {
+pub(super) fn cone(data: &mut DataSection, axis: DVec2, [low, high]: [DVec2; 2]) -> InstanceId {
     // Its radius grows along the placement's Z.
     let wider = if high.x > low.x { DVec3::Z } else { DVec3::NEG_Z };
     let place = data.placement(axis.extend(low.y), wider, DVec3::X);

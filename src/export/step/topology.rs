@@ -2,7 +2,7 @@
 
 use super::b_spline::KnotVector;
 use super::face_role::FaceRole;
-use super::part21::{DataSection, InstanceId, WrittenFace, digits, list, real};
+use super::part21::{DataSection, InstanceId, WrittenFace, digits, list, quoted, real};
 use crate::geom::{DVec2, DVec3};
 
 /// A vertex and where it is.
@@ -56,12 +56,6 @@ pub(super) fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
 }
 
 impl DataSection {
-    /// The role of the next hole's faces.
-    pub(super) fn next_hole(&mut self) -> FaceRole {
-        self.holes += 1;
-        FaceRole::Hole(self.holes)
-    }
-
     pub(super) fn point(&mut self, at: DVec3) -> InstanceId {
         let [x, y, z] = at.to_array().map(real);
         self.add(format_args!("CARTESIAN_POINT('',({x},{y},{z}))"))
@@ -229,7 +223,8 @@ impl DataSection {
             bounds.push(self.add(format_args!("{name}('',{boundary},.T.)")));
         }
         let (bounds, flag) = (list(&bounds), if same { "T" } else { "F" });
-        let id = self.add(format_args!("ADVANCED_FACE('{role}',{bounds},{surface},.{flag}.)"));
+        let name = quoted(&role.to_string());
+        let id = self.add(format_args!("ADVANCED_FACE({name},{bounds},{surface},.{flag}.)"));
         self.faces.push(WrittenFace { id, role, out });
         id
     }

@@ -5,6 +5,7 @@
 
 mod cases;
 mod charted;
+mod names;
 mod pmi;
 mod read_back;
 mod reading;
@@ -181,41 +182,8 @@ fn bodies_are_closed_and_their_edges_lie_on_their_faces() {
         let file = File::parse(&bytes);
         assert_eq!(file.all("ADVANCED_FACE").len(), faces, "{}", case.name);
         holds_together(&case.name, &file);
-        names(&case, &file);
+        names::check(&case, &file);
     }
-}
-
-/// Every face says what it is of; holes and marks are counted; the mirror's faces have a colour.
-fn names(case: &Case, file: &File) {
-    let name = |face: u32| -> String {
-        let Value::Text(name) = &file.get(face, "ADVANCED_FACE")[0] else { panic!("no name") };
-        name.clone()
-    };
-    let mut told: Vec<String> = file.all("ADVANCED_FACE").into_iter().map(name).collect();
-    told.sort();
-    let count = |name: &str| told.iter().filter(|told| *told == name).count();
-    let own = panels(&case.mirror);
-    assert_eq!((count("OPTICAL"), count("BASE")), (own, 1), "{}: {told:?}", case.name);
-    let stock = case.stock.as_ref();
-    assert_eq!(count("RIM"), usize::from(stock.is_some()), "{}: {told:?}", case.name);
-    let numbered = |what: &str| {
-        let mut found: Vec<usize> =
-            told.iter().filter_map(|told| told.strip_prefix(what)?.parse().ok()).collect();
-        found.sort_unstable();
-        found.dedup();
-        found
-    };
-    let holes = case.features().holes().count();
-    assert_eq!(numbered("HOLE_"), (1..=holes).collect::<Vec<_>>(), "{}", case.name);
-    let marks = stock.map_or(0, |stock| stock.marks.len());
-    assert_eq!(numbered("MARK_"), (1..=marks).collect::<Vec<_>>(), "{}", case.name);
-    assert!(told.iter().all(|name| !name.is_empty()));
-    let coloured: Vec<String> = file
-        .all("STYLED_ITEM")
-        .into_iter()
-        .map(|item| name(file.get(item, "STYLED_ITEM")[2].id()))
-        .collect();
-    assert_eq!(coloured, vec!["OPTICAL"; own], "{}", case.name);
 }
 
 /// Every edge is used twice, once each way; loops run from vertex to vertex; edges lie on both
