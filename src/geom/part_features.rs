@@ -169,6 +169,7 @@ mod tests {
         let border = Border {
             contour: Contour::Circle { radius_mm: 20.0 },
             top_mm: 5.0,
+            edge_chamfer_mm: 0.0,
             holes: vec![tapped, screw],
             marks: Vec::new(),
             land: Some(Land { z_mm: 4.0, holes: vec![Hole::plain(DVec2::ZERO, 3.2)] }),

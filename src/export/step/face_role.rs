@@ -17,6 +17,8 @@ pub(super) enum FaceRole {
     Rim,
     /// An outer wall of the border.
     Side,
+    /// A chamfer of an outer edge of the border.
+    Chamfer,
     /// The bottom.
     Base,
     /// A hole.
@@ -37,6 +39,7 @@ impl FaceRole {
                 HoleKind::Plain | HoleKind::Screw(_) => "0.9,0.85,0.4",
             },
             Self::Mark(_) => "0.7,0.5,0.8",
+            Self::Chamfer => "0.6,0.65,0.65",
             Self::Land | Self::Wall | Self::Rim | Self::Side => "0.8,0.8,0.8",
         }
     }
@@ -50,6 +53,7 @@ impl Display for FaceRole {
             Self::Wall => f.write_str("WALL"),
             Self::Rim => f.write_str("RIM"),
             Self::Side => f.write_str("SIDE"),
+            Self::Chamfer => f.write_str("CHAMFER"),
             Self::Base => f.write_str("BASE"),
             Self::Hole(hole) if hole.is_plain() => write!(f, "HOLE_{}", hole.number),
             Self::Hole(hole) => write!(f, "HOLE_{} {}", hole.number, hole.words()),

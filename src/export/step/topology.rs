@@ -4,6 +4,7 @@ use super::b_spline::KnotVector;
 use super::face_role::FaceRole;
 use super::part21::{DataSection, InstanceId, WrittenFace, digits, list, quoted, real};
 use crate::geom::{DVec2, DVec3};
+use crate::num::atan2;
 
 /// A vertex and where it is.
 #[derive(Debug, Clone, Copy)]
@@ -248,6 +249,18 @@ impl DataSection {
     pub(super) fn cylinder(&mut self, centre: DVec2, radius: f64) -> InstanceId {
         let place = self.placement(centre.extend(0.0), DVec3::Z, DVec3::X);
         self.add(format_args!("CYLINDRICAL_SURFACE('',{place},{})", real(radius)))
+    }
+
+    /// The upright cylinder or cone between two circles, or a circle and a point, of such radius and Z.
+    pub(super) fn cylinder_or_cone(&mut self, axis: DVec2, [low, high]: [DVec2; 2]) -> InstanceId {
+        if low.x == high.x {
+            return self.cylinder(axis, low.x);
+        }
+        // Its radius grows along the placement's Z.
+        let wider = if high.x > low.x { DVec3::Z } else { DVec3::NEG_Z };
+        let place = self.placement(axis.extend(low.y), wider, DVec3::X);
+        let half_angle = atan2((high.x - low.x).abs(), high.y - low.y);
+        self.add(format_args!("CONICAL_SURFACE('',{place},{},{half_angle})", real(low.x)))
     }
 
     /// An upright cylinder's face from one round edge to another, with a seam; `same`: material is inside.

@@ -1,7 +1,7 @@
 //! Faces of a STEP file say what they are of, by their names and by their colours.
 
 use super::reading::{File, Value};
-use super::{Case, cases, fitted, panels, written};
+use super::{Case, cases, fitted, panels, side_faces, written};
 use std::collections::BTreeSet;
 
 /// The name of a face.
@@ -20,6 +20,9 @@ pub fn check(case: &Case, file: &File) {
     assert_eq!((count("OPTICAL"), count("BASE")), (own, 1), "{}: {told:?}", case.name);
     let stock = case.stock.as_ref();
     assert_eq!(count("RIM"), usize::from(stock.is_some()), "{}: {told:?}", case.name);
+    let sides = stock.map_or(0, side_faces);
+    let chamfers = stock.map_or(0, |stock| 2 * usize::from(stock.edge_chamfer_mm > 0.0) * sides);
+    assert_eq!((count("SIDE"), count("CHAMFER")), (sides, chamfers), "{}: {told:?}", case.name);
     let numbered = |what: &str| {
         let number = |told: &String| told.strip_prefix(what)?.split(' ').next()?.parse().ok();
         let mut found: Vec<usize> = told.iter().filter_map(number).collect();
@@ -64,6 +67,7 @@ fn colour_of(name: &str) -> [f64; 3] {
     match kind {
         "OPTICAL" => [0.55, 0.75, 0.95],
         "BASE" => [0.5, 0.75, 0.5],
+        "CHAMFER" => [0.6, 0.65, 0.65],
         "LAND" | "WALL" | "RIM" | "SIDE" => [0.8, 0.8, 0.8],
         hole if hole.starts_with("HOLE_") => match words {
             thread if thread.starts_with('M') => [0.95, 0.6, 0.25],
