@@ -49,6 +49,7 @@ pub(super) fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border
     Ok(Some(Border {
         contour: border.contour(&outline),
         top_mm: border.rim_mm,
+        edge_chamfer_mm: border.edge_chamfer_mm,
         holes,
         marks: border.marks.clone(),
         land,
@@ -59,30 +60,36 @@ pub(super) fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border
 fn fitting(border: &BorderSpec, mirror: &Outline, conflict: &BorderConflict) -> Option<String> {
     let fits = |tried: &BorderSpec| {
         let conflicts = tried.conflicts(mirror);
-        conflicts.iter().all(|left| left.feature != conflict.feature)
+        // (Chamfers that do not fit keep the others from being told.)
+        let is_there =
+            |left: BorderFeature| left == conflict.feature || left == BorderFeature::Edges;
+        !conflicts.iter().any(|left| is_there(left.feature))
     };
     let name = match conflict.feature {
         BorderFeature::Corners => {
             let smaller = |c: &f64| Some(digits(0.8 * c));
-            let mut radii = std::iter::successors(Some(border.corner_radius_mm), smaller).take(60);
+            let radii = std::iter::successors(Some(border.corner_radius_mm), smaller).take(60);
+            // One as large as the border is wide is concentric to the mirror's corner.
+            let mut radii = radii.chain([border.width_mm]);
             let fitting = |&c: &f64| fits(&BorderSpec { corner_radius_mm: c, ..border.clone() });
             return radii.find(fitting).map(|c| format!("set corner_radius_mm = {c}"));
         }
         BorderFeature::Hole(_) => "hole",
         BorderFeature::Mark(_) => "mark",
-        // (Its diameter is that of a drill.)
-        BorderFeature::Drilling(_) => return None,
+        // (Its diameter is that of a drill; the chamfers have their own remedy.)
+        BorderFeature::Drilling(_) | BorderFeature::Edges => return None,
     };
-    let wide = digits(border.width_mm.max(BorderSpec::LEAST_MM + 4.0 * BorderSpec::CLEAR_MM));
+    let leg = border.edge_chamfer_mm;
+    let wide = digits(border.width_mm.max(BorderSpec::LEAST_MM + 4.0 * BorderSpec::CLEAR_MM + leg));
     [border.width_mm, wide].into_iter().find_map(|width_mm| {
         let mut tried = BorderSpec { width_mm, ..border.clone() };
         let spot = match conflict.feature {
             BorderFeature::Hole(k) => &mut tried.holes[k],
             BorderFeature::Mark(k) => &mut tried.marks[k],
-            BorderFeature::Corners | BorderFeature::Drilling(_) => return None,
+            _ => return None,
         };
         let before = spot.at.length();
-        *spot = middle(mirror, width_mm, spot);
+        *spot = middle(mirror, width_mm - leg, spot);
         let way = if spot.at.length() < before { "inwards" } else { "outwards" };
         let found = format!("[{}, {}, {}]", spot.at.x, spot.at.y, spot.diameter_mm);
         let widen = match width_mm > border.width_mm {
@@ -94,7 +101,7 @@ fn fitting(border: &BorderSpec, mirror: &Outline, conflict: &BorderConflict) -> 
     })
 }
 
-/// The place of `spot` in the middle of a border of this width, on the same side, and as large as
+/// The place of `spot` in the middle of a flat rim of this width, on the same side, and as large as
 /// it may be there.
 fn middle(mirror: &Outline, width_mm: f64, spot: &Drilled) -> Drilled {
     let room = width_mm - 2.5 * BorderSpec::CLEAR_MM;

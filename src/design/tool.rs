@@ -53,6 +53,7 @@ fn around(
     Ok(Border {
         contour: border.contour(&foot),
         top_mm: border.rim_mm,
+        edge_chamfer_mm: border.edge_chamfer_mm,
         holes: holes.map(|hole| Hole { at: turned(hole.at), ..hole }).collect(),
         marks: border.marks.iter().map(|m| Drilled { at: turned(m.at), ..*m }).collect(),
         land: None,

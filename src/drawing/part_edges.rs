@@ -180,7 +180,7 @@ mod tests {
     use crate::geom::{Border, Contour, FaceMesh, Hole, PartFeatures, Precision, TriMesh};
 
     /// A plateau of 4 x 4 mm, 3 mm high, on a flat rim of 10 x 8 mm that is 1 mm high and has a hole.
-    fn part() -> Solid {
+    fn part(edge_chamfer_mm: f64) -> Solid {
         let corner = |x: f64, y: f64| DVec3::new(x, y, 3.0);
         let vertices =
             vec![corner(-2.0, -2.0), corner(2.0, -2.0), corner(2.0, 2.0), corner(-2.0, 2.0)];
@@ -188,6 +188,7 @@ mod tests {
         let border = Border {
             contour: Contour::Rect { half: DVec2::new(5.0, 4.0), corner_mm: 0.0 },
             top_mm: 1.0,
+            edge_chamfer_mm,
             holes: vec![Hole::plain(DVec2::new(3.5, 3.0), 1.0)],
             marks: Vec::new(),
             land: None,
@@ -196,7 +197,7 @@ mod tests {
     }
 
     fn lines(view: &ViewFrame) -> Vec<Vec<DVec2>> {
-        joined(&PartEdges::new(&part()).seen(view), 1e-6)
+        joined(&PartEdges::new(&part(0.0)).seen(view), 1e-6)
     }
 
     fn length(lines: &[Vec<DVec2>]) -> f64 {
@@ -207,6 +208,15 @@ mod tests {
     fn the_plan_has_contour_plateau_and_hole() {
         let found = lines(&ViewFrame { right: DVec3::X, up: DVec3::Y, is_cut: false });
         let around = length(&found) - 2.0 * (10.0 + 8.0) - 16.0;
+        assert!((around / std::f64::consts::PI - 1.0).abs() < 0.01, "{around}");
+    }
+
+    #[test]
+    fn the_plan_has_both_edges_of_a_chamfer_and_its_mitres() {
+        let plan = ViewFrame { right: DVec3::X, up: DVec3::Y, is_cut: false };
+        let found = joined(&PartEdges::new(&part(0.25)).seen(&plan), 1e-6);
+        let mitres = 4.0 * 0.25 * f64::sqrt(2.0);
+        let around = length(&found) - 2.0 * (10.0 + 8.0) - 2.0 * (9.5 + 7.5) - mitres - 16.0;
         assert!((around / std::f64::consts::PI - 1.0).abs() < 0.01, "{around}");
     }
 

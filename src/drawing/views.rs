@@ -237,6 +237,11 @@ impl ViewPainter<'_> {
             let high = base + rim * view.scale;
             upright(sheet, [base, high], [right, right + SECOND], &mm(rim));
         }
+        if let Some(leg) = self.facts.edge_chamfer_mm {
+            let half = 0.5 * leg * view.scale;
+            let text = format!("edges {} x 45\u{b0}", mm(leg));
+            leader(sheet, [right - half, base + half], [right + 7.0, base - 11.0], &text);
+        }
         datum(sheet, [0.7 * left + 0.3 * x, base], [0.0, -1.0], 'A');
         if let Some(zone) = self.facts.pmi.surface_profile_mm {
             let (tip, knee) = self.on_mirror(&view, top);

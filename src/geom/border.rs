@@ -1,17 +1,19 @@
 //! What a part has around its mirror: a flat rim to clamp it by, holes, marks.
 
-use super::circle_polygon::{arc, area, circle, turned};
-use super::{DVec2, DVec3, Hole, HoleMeridian};
+use super::circle_polygon::{area, circle};
+use super::{Contour, DVec2, DVec3, Hole, HoleMeridian};
 use std::f64::consts::PI;
 
 /// Material around the mirror, in the part frame, mm. Seen from above it lies between the foot of the mirror's
 /// skirt and the contour; its flat top is below the mirror's lowest point, so that a skirt goes all around the mirror.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Border {
-    /// The part's outer side, a vertical wall.
+    /// The part's outer side, a vertical wall between the chamfers of its edges.
     pub contour: Contour,
     /// Z of the flat top, positive.
     pub top_mm: f64,
+    /// Leg of the chamfers of 45 degrees along the upper and the lower edge of the side, mm; 0 for sharp edges.
+    pub edge_chamfer_mm: f64,
     /// Through holes, from the base to the flat top.
     pub holes: Vec<Hole>,
     /// Conical dimples of 90 degrees in the flat top: half as deep as wide.
@@ -29,23 +31,6 @@ pub struct Land {
     pub holes: Vec<Hole>,
 }
 
-/// A contour about the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Contour {
-    /// A rectangle.
-    Rect {
-        /// Half its width and half its height.
-        half: DVec2,
-        /// The radius that its corners are rounded with; 0 for sharp ones.
-        corner_mm: f64,
-    },
-    /// A circle.
-    Circle {
-        /// Its radius.
-        radius_mm: f64,
-    },
-}
-
 /// A mark in the flat top.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drilled {
@@ -61,7 +46,8 @@ impl Border {
     pub fn volume(&self, footprint_mm2: f64) -> f64 {
         let marks = self.marks_with(|mark| PI * mark.radius() * mark.radius());
         let cut = self.through().map(|hole| hole.volume()).sum::<f64>() + marks;
-        self.top_mm * (self.contour.area() - footprint_mm2) - cut
+        let edges = 2.0 * self.chamfer_with(|inset| self.contour.shrunk(inset).area());
+        self.top_mm * (self.contour.area() - footprint_mm2) - cut - edges
     }
 
     /// What chords in the place of its circles may change its volume by, mm^3.
@@ -72,7 +58,38 @@ impl Border {
             PI * mark.radius() * mark.radius() - area(&mark.polygon(DVec2::ZERO))
         });
         let cut = self.through().map(|hole| hole.chords_mm3()).sum::<f64>() + marks;
-        self.top_mm * (self.contour.area() - polygon) + cut
+        let lost = |inset: f64| {
+            self.contour.shrunk(inset).area() - area(&self.contour.shrunk_polygon(inset))
+        };
+        self.top_mm * (self.contour.area() - polygon) + cut - 2.0 * self.chamfer_with(lost)
+    }
+
+    /// What a chamfer takes off an edge of the side, mm^3, if the contour that is so far inside the part's has such an area,
+    /// which is a polynomial of second degree: Simpson's rule is exact for it.
+    fn chamfer_with(&self, area: impl Fn(f64) -> f64) -> f64 {
+        let leg = self.edge_chamfer_mm;
+        if leg == 0.0 {
+            return 0.0;
+        }
+        let [outer, middle, inner] = [0.0, 0.5, 1.0].map(|share| area(share * leg));
+        leg / 6.0 * (5.0 * outer - 4.0 * middle - inner)
+    }
+
+    /// The contour of the flat top and of the base: that of the side without the chamfers of its edges.
+    #[must_use]
+    pub fn flat_contour(&self) -> Contour {
+        self.contour.shrunk(self.edge_chamfer_mm)
+    }
+
+    /// The edges of side and chamfers from the flat top down to the base: how far inside the contour, and Z, mm.
+    #[must_use]
+    pub fn side_edges(&self) -> Vec<DVec2> {
+        let (leg, top) = (self.edge_chamfer_mm, self.top_mm);
+        let [above, below] = [DVec2::new(leg, top), DVec2::new(leg, 0.0)];
+        if leg == 0.0 {
+            return vec![above, below];
+        }
+        vec![above, DVec2::new(0.0, top - leg), DVec2::new(0.0, leg), below]
     }
 
     /// The volume of all marks, of such areas: a cone's is a third of its depth, which is its radius, times its area.
@@ -86,19 +103,21 @@ impl Border {
         self.holes.iter().map(|hole| hole.meridian(self.top_mm)).chain(land)
     }
 
-    /// How far `v` is from the border's surfaces, mm: flat top, side, base, holes, marks and a land
+    /// How far `v` is from the border's surfaces, mm: flat top, side with its chamfers, base, holes, marks and a land
     /// with holes; blind holes open in the base. `beside` is how far outside the mirror's rim it is; under the mirror
     /// base and holes alone count, and the land if `v` is `over_land`.
     #[must_use]
     pub fn distance(&self, v: DVec3, beside: f64, over_land: bool, blind: &[HoleMeridian]) -> f64 {
         let p = v.truncate();
-        let inset = self.contour.inset(p);
+        let leg = self.edge_chamfer_mm;
         let off = |across: f64, along: f64| DVec2::new(across, along).length();
-        let upright = |across: f64, top: f64| off(across, v.z - v.z.clamp(0.0, top));
         // How far out of the base and of the planes above, in the plane.
-        let mut off_base = (-inset).max(0.0);
+        let mut off_base = (-self.flat_contour().inset(p)).max(0.0);
         let mut off_upper = off_base;
-        let mut least = upright(inset, self.top_mm);
+        let mut least = off(self.contour.inset(p), v.z - v.z.clamp(leg, self.top_mm - leg));
+        for height in [v.z, self.top_mm - v.z].into_iter().filter(|_| leg > 0.0) {
+            least = least.min(self.contour.chamfer_distance(p, height, leg));
+        }
         for hole in self.through().chain(blind.iter().copied()) {
             let from_axis = p.distance(hole.axis);
             off_base = off_base.max(hole.mouth_radius() - from_axis);
@@ -120,52 +139,6 @@ impl Border {
     }
 }
 
-impl Contour {
-    /// Area, mm^2.
-    #[must_use]
-    pub fn area(&self) -> f64 {
-        match *self {
-            Self::Rect { half, corner_mm } => {
-                4.0 * half.x * half.y - (4.0 - PI) * corner_mm * corner_mm
-            }
-            Self::Circle { radius_mm } => PI * radius_mm * radius_mm,
-        }
-    }
-
-    /// How far inside it `p` is, mm; negative outside.
-    #[must_use]
-    pub fn inset(&self, p: DVec2) -> f64 {
-        match *self {
-            Self::Rect { half, corner_mm } => {
-                let past = p.abs() - half + corner_mm;
-                corner_mm - past.max(DVec2::ZERO).length() - past.max_element().min(0.0)
-            }
-            Self::Circle { radius_mm } => radius_mm - p.length(),
-        }
-    }
-
-    /// It as a polygon, counter-clockwise, its corners on it.
-    #[must_use]
-    pub fn polygon(&self) -> Vec<DVec2> {
-        let Self::Rect { half, corner_mm } = *self else {
-            let Self::Circle { radius_mm } = *self else { unreachable!("two kinds") };
-            return circle(radius_mm);
-        };
-        let signs = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-        let around = signs.iter().enumerate().flat_map(|(quarter, &(x, y))| {
-            let centre = (half - corner_mm) * DVec2::new(x, y);
-            turned(&arc(corner_mm), quarter).map(move |p| centre + p).collect::<Vec<_>>()
-        });
-        // Arcs that take up a whole side meet in one corner.
-        let mut corners: Vec<DVec2> = around.collect();
-        corners.dedup();
-        if corners.first() == corners.last() {
-            corners.pop();
-        }
-        corners
-    }
-}
-
 impl Drilled {
     /// Half its diameter, mm.
     #[must_use]
@@ -182,40 +155,8 @@ impl Drilled {
 
 #[cfg(test)]
 mod tests {
-    use super::super::CHORD_MM;
+    use super::super::{CHORD_MM, circle_polygon};
     use super::*;
-
-    fn contours() -> [Contour; 5] {
-        let rect = |x, y, corner_mm| Contour::Rect { half: DVec2::new(x, y), corner_mm };
-        [
-            Contour::Circle { radius_mm: 7.0 },
-            rect(9.0, 5.0, 0.0),
-            rect(9.0, 5.0, 2.0),
-            rect(9.0, 5.0, 5.0),
-            rect(5.0, 5.0, 5.0),
-        ]
-    }
-
-    #[test]
-    fn polygons_keep_to_their_contours() {
-        for contour in contours() {
-            let corners = contour.polygon();
-            let next = corners.iter().cycle().skip(1);
-            for (a, b) in corners.iter().zip(next) {
-                assert!(contour.inset(*a).abs() < 1e-14 && a != b, "{contour:?} {a}");
-                let cut = contour.inset(0.5 * (*a + *b));
-                assert!((-1e-14..=CHORD_MM).contains(&cut), "{contour:?}: {cut}");
-                assert!(a.perp_dot(*b) > 0.0);
-            }
-            let lost = contour.area() - area(&corners);
-            let rounded = contour.area() < 100.0 || corners.len() > 4;
-            assert!((-1e-12..60.0 * CHORD_MM).contains(&lost), "{contour:?}: {lost}");
-            assert_eq!(lost > 1e-6, rounded, "{contour:?}: {lost}");
-        }
-        let Contour::Rect { .. } = contours()[4] else { panic!() };
-        assert_eq!(contours()[4].polygon().len(), circle(5.0).len());
-        assert_eq!(contours()[1].polygon().len(), 4);
-    }
 
     /// A plate with everything, by hand.
     #[test]
@@ -224,6 +165,7 @@ mod tests {
         let stock = Border {
             contour: Contour::Rect { half: DVec2::new(20.0, 10.0), corner_mm: 3.0 },
             top_mm: 4.0,
+            edge_chamfer_mm: 0.0,
             holes: vec![Hole::plain(DVec2::new(16.0, 0.0), 4.0)],
             marks: vec![drilled(-16.0, 2.0, 2.0)],
             land: Some(Land { z_mm: 6.0, holes: vec![Hole::plain(DVec2::ZERO, 2.0)] }),
@@ -255,5 +197,77 @@ mod tests {
             let found = stock.distance(DVec3::new(x, y, z), beside, over_land, &[]);
             assert!((found - off).abs() < 1e-13, "({x}, {y}, {z}): {found}, not {off}");
         }
+    }
+
+    fn chamfered(contour: Contour) -> Border {
+        Border {
+            contour,
+            top_mm: 4.0,
+            edge_chamfer_mm: 0.75,
+            holes: Vec::new(),
+            marks: Vec::new(),
+            land: None,
+        }
+    }
+
+    /// Prisms along straight sides, less what they share at mitres; rings about round corners by Pappus' theorem, whose
+    /// centre of mass is a third of the leg from the side.
+    #[test]
+    fn chamfers_take_off_prisms_and_rings() {
+        let c: f64 = 0.75;
+        let ring = |radius: f64| 2.0 * PI * (radius - c / 3.0) * 0.5 * c * c;
+        for (x, y, corner_mm) in
+            [(9.0, 5.0, 0.0), (9.0, 5.0, 2.0), (9.0, 5.0, 5.0), (5.0, 5.0, 5.0)]
+        {
+            let half = DVec2::new(x, y);
+            let stock = chamfered(Contour::Rect { half, corner_mm });
+            let straight = 4.0 * (x + y - 2.0 * corner_mm) * 0.5 * c * c;
+            // Two wedges overlap at a sharp corner in a pyramid over a square of side c, c high.
+            let corners = if corner_mm > 0.0 { ring(corner_mm) } else { -4.0 * c * c * c / 3.0 };
+            let plate = 4.0 * stock.contour.area();
+            let exact = plate - 2.0 * (straight + corners);
+            let found = stock.volume(0.0);
+            assert!(
+                (found - exact).abs() < 1e-13 * exact,
+                "{half} {corner_mm}: {found}, not {exact}"
+            );
+        }
+        let stock = chamfered(Contour::Circle { radius_mm: 7.0 });
+        let exact = 4.0 * PI * 49.0 - 2.0 * ring(7.0);
+        assert!((stock.volume(0.0) - exact).abs() < 1e-13 * exact);
+        // A polygon of n corners has the share sin(2 pi / n) n / (2 pi) of its circle at every height.
+        let n = 4.0 * circle_polygon::circle_chords(7.0) as f64;
+        let lost = 1.0 - crate::num::sin(2.0 * PI / n) * n / (2.0 * PI);
+        assert!((stock.chords_mm3() / (lost * exact) - 1.0).abs() < 1e-9, "{lost:e}");
+    }
+
+    #[test]
+    fn distances_from_chamfered_edges_are_those_by_hand() {
+        let stock = chamfered(Contour::Rect { half: DVec2::new(9.0, 5.0), corner_mm: 2.0 });
+        let diagonal = std::f64::consts::FRAC_1_SQRT_2;
+        for (x, y, z, off) in [
+            // Ends and middles of both chamfers, the side between them, the flat top and the base beside them.
+            (9.0, 0.0, 0.75, 0.0),
+            (8.25, 0.0, 0.0, 0.0),
+            (9.0 - 0.25, 0.0, 3.5, 0.0),
+            (9.0, 1.0, 2.0, 0.0),
+            (8.0, 1.0, 4.0, 0.0),
+            (8.0, 1.0, 0.0, 0.0),
+            // On the cone about (7, 3), and the corner that was cut off.
+            (7.0 + 1.5 * diagonal, 3.0 + 1.5 * diagonal, 0.25, 0.0),
+            (9.0, 0.0, 0.0, 0.75 * diagonal),
+            (9.0, 0.0, 4.0, 0.75 * diagonal),
+            // Beside the side's ends and over the flat top's.
+            (9.5, 0.0, 3.25, 0.5),
+            (8.25, 0.0, 4.5, 0.5),
+        ] {
+            let found = stock.distance(DVec3::new(x, y, z), 5.0, false, &[]);
+            assert!((found - off).abs() < 1e-14, "({x}, {y}, {z}): {found}, not {off}");
+        }
+        let sharp = chamfered(Contour::Rect { half: DVec2::new(9.0, 5.0), corner_mm: 0.0 });
+        // The mitre leads from (9, 5) to (8.25, 4.25); the corner is as far from it as from the cube's diagonal.
+        let corner = sharp.distance(DVec3::new(9.0, 5.0, 0.0), 5.0, false, &[]);
+        assert!((corner - 0.75 * f64::sqrt(2.0 / 3.0)).abs() < 1e-14, "{corner}");
+        assert_eq!(sharp.distance(DVec3::new(8.5, 4.5, 3.75), 5.0, false, &[]), 0.0);
     }
 }

@@ -8,15 +8,6 @@ use std::f64::consts::FRAC_PI_2;
 /// the circle.
 pub const CHORD_MM: f64 = 2e-3;
 
-/// A quarter of a circle from the X axis to the Y axis, both ends included, in chords that cut
-/// no more than [`CHORD_MM`].
-pub(super) fn arc(radius: f64) -> Vec<DVec2> {
-    if radius == 0.0 {
-        return vec![DVec2::ZERO];
-    }
-    arc_of(radius, circle_chords(radius))
-}
-
 /// Chords of a quarter of a circle that cut no more than [`CHORD_MM`].
 pub(super) fn circle_chords(radius: f64) -> usize {
     // 1 - cos(t) <= t^2 / 2 for half a chord's angle t.
@@ -24,7 +15,7 @@ pub(super) fn circle_chords(radius: f64) -> usize {
 }
 
 /// A quarter of a circle from the X axis to the Y axis in so many chords, both ends included.
-fn arc_of(radius: f64, chords: usize) -> Vec<DVec2> {
+pub(super) fn arc_of(radius: f64, chords: usize) -> Vec<DVec2> {
     let at = |k: usize| {
         let angle = FRAC_PI_2 * k as f64 / chords as f64;
         radius * DVec2::new(cos(angle), sin(angle))

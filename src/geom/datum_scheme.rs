@@ -92,7 +92,14 @@ mod tests {
 
     fn border(contour: Contour, holes: usize) -> Border {
         let hole = Hole::plain(DVec2::X, 3.0);
-        Border { contour, top_mm: 2.0, holes: vec![hole; holes], marks: Vec::new(), land: None }
+        Border {
+            contour,
+            top_mm: 2.0,
+            edge_chamfer_mm: 0.0,
+            holes: vec![hole; holes],
+            marks: Vec::new(),
+            land: None,
+        }
     }
 
     #[test]

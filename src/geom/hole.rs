@@ -272,7 +272,7 @@ impl HoleMeridian {
 }
 
 /// Distance of a point from a straight piece; of one along an axis without rounding.
-fn segment_distance(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+pub(super) fn segment_distance(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
     let along = b - a;
     if along.x == 0.0 || along.y == 0.0 {
         return (p - p.clamp(a.min(b), a.max(b))).length();

@@ -82,6 +82,13 @@ impl<'a> PartFeatures<'a> {
 }
 
 impl NumberedHole {
+    /// Whether it is a cylinder through the part and nothing more.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        let Hole { at, diameter_mm, .. } = self.hole;
+        self.blind.is_none() && self.hole == Hole::plain(at, diameter_mm)
+    }
+
     /// X and Y of its axis, mm.
     #[must_use]
     pub fn at(&self) -> DVec2 {
@@ -162,6 +169,7 @@ mod tests {
         let border = Border {
             contour: Contour::Circle { radius_mm: 20.0 },
             top_mm: 5.0,
+            edge_chamfer_mm: 0.0,
             holes: vec![tapped, screw],
             marks: Vec::new(),
             land: Some(Land { z_mm: 4.0, holes: vec![Hole::plain(DVec2::ZERO, 3.2)] }),
@@ -188,6 +196,9 @@ mod tests {
                 "6 at X 6: diameter 5, 3.1 deep, flat",
             ]
         );
+        let plain: Vec<usize> =
+            features.holes().filter(NumberedHole::is_plain).map(|hole| hole.number).collect();
+        assert_eq!(plain, [1]);
         assert_eq!((features.through(), features.foot_mm()), (3, 5.0));
         let volumes: f64 = features.holes().skip(3).map(|hole| hole.meridian.volume()).sum();
         assert_eq!(features.blind_mm3(), volumes);

@@ -90,6 +90,7 @@ fn facts(profile: &Profile, design: &Design, form: &Form, inspected: usize) -> D
         is_round,
         rim_mm: border.map(|border| border.top_mm),
         corner_radius_mm: corner.filter(|radius| *radius > 0.0),
+        edge_chamfer_mm: border.map(|border| border.edge_chamfer_mm).filter(|leg| *leg > 0.0),
         features: features(design),
         sphere_radius_mm: form.sphere.radius_of_curvature_mm,
         sphere_departure_mm: form.sphere.departure.pv_mm,
@@ -138,9 +139,12 @@ fn circles(design: &Design) -> Vec<(DVec2, f64)> {
         }
     }
     if let Some(border) = &design.border {
-        if let Contour::Circle { radius_mm } = border.contour {
-            circles.push((DVec2::ZERO, radius_mm));
+        for contour in [border.contour, border.flat_contour()] {
+            if let Contour::Circle { radius_mm } = contour {
+                circles.push((DVec2::ZERO, radius_mm));
+            }
         }
+        circles.dedup();
         circles.extend(border.marks.iter().map(|mark| (mark.at, mark.radius())));
     }
     for hole in design.features().holes() {

@@ -11,6 +11,8 @@ pub struct BorderSpec {
     pub rim_mm: f64,
     /// The radius of a rectangular part's corners in millimetres; 0 for sharp ones.
     pub corner_radius_mm: f64,
+    /// Leg of the chamfers of 45 degrees along the outer edges in millimetres; 0 for sharp edges.
+    pub edge_chamfer_mm: f64,
     /// Through holes, in the flat rim or in the land of an annulus.
     pub holes: Vec<Drilled>,
     /// Conical dimples of 90 degrees, half as deep as wide.
@@ -22,6 +24,8 @@ pub struct BorderSpec {
 pub enum BorderFeature {
     /// The rounding of the corners.
     Corners,
+    /// The chamfers of the outer edges.
+    Edges,
     /// A hole, by its place in the list.
     Hole(usize),
     /// A mark, by its place in the list.
@@ -52,6 +56,10 @@ impl BorderSpec {
 
     /// Everything that does not fit around a mirror with this outline, a rectangle or a ring about the axis.
     pub fn conflicts(&self, mirror: &Outline) -> Vec<BorderConflict> {
+        // Where the edges leave nothing, the rest cannot be told.
+        if let Some(conflict) = self.edges() {
+            return vec![conflict];
+        }
         let mut conflicts: Vec<BorderConflict> = self.corners(mirror).into_iter().collect();
         let holes = self.holes.iter().enumerate().map(|(k, spot)| (BorderFeature::Hole(k), spot));
         let marks = self.marks.iter().enumerate().map(|(k, spot)| (BorderFeature::Mark(k), spot));
@@ -79,6 +87,52 @@ impl BorderSpec {
         }
     }
 
+    /// The edge of the flat rim and of the base around a mirror with this outline: within the chamfers of the part's edges.
+    pub fn flat_contour(&self, mirror: &Outline) -> Contour {
+        self.contour(mirror).shrunk(self.edge_chamfer_mm)
+    }
+
+    /// That edge, and what is within it, in words.
+    pub(super) fn edge_words(&self) -> [&'static str; 2] {
+        match self.edge_chamfer_mm > 0.0 {
+            true => ["the chamfer of the part's edge", "flat rim and base reach"],
+            false => ["the part's side", "the part reaches"],
+        }
+    }
+
+    /// The conflict of the edges' chamfers with the rim's height, the border's width or the radius of rounded corners.
+    pub(super) fn edges(&self) -> Option<BorderConflict> {
+        let (leg, corner) = (self.edge_chamfer_mm, self.corner_radius_mm);
+        // Each with what its chamfers take, and what has to be left.
+        let mut rules = vec![
+            ("rim_mm", self.rim_mm, 2.0, Self::CLEAR_MM, "side between them"),
+            ("border_mm", self.width_mm, 1.0, Self::CLEAR_MM, "flat rim"),
+        ];
+        // (Sharp corners are mitred.)
+        if corner > 0.0 {
+            let least = Self::LEAST_MM;
+            rules.push(("corner_radius_mm", corner, 1.0, least, "radius of the corners"));
+        }
+        let tight = |found: f64, share: f64, left: f64| {
+            leg > 0.0 && !(found - share * leg >= left - Self::ROUNDING_MM)
+        };
+        let (key, found, _, left, what) =
+            *rules.iter().find(|(_, found, share, left, _)| tight(*found, *share, *left))?;
+        let room = rules.iter().map(|(_, found, share, left, _)| (found - left) / share);
+        let most = room.fold(f64::INFINITY, f64::min);
+        let most = ((most + Self::ROUNDING_MM) * 1e3).floor() / 1e3;
+        Some(BorderConflict {
+            feature: BorderFeature::Edges,
+            message: format!(
+                "part.edge_chamfer_mm must leave {left} mm of {what}, found {leg} for {key} = {found}"
+            ),
+            hint: match most >= Self::LEAST_MM {
+                true => format!("set edge_chamfer_mm = {most}"),
+                false => "leave edge_chamfer_mm out".to_owned(),
+            },
+        })
+    }
+
     /// The conflict of the corners' rounding, with the part's sides or with the mirror's corners.
     fn corners(&self, mirror: &Outline) -> Option<BorderConflict> {
         let side = self.contour(mirror);
@@ -89,7 +143,7 @@ impl BorderSpec {
         let (radius, most) = (self.corner_radius_mm, half.min_element());
         let what = if radius > most + Self::ROUNDING_MM {
             format!("be at most half the part's shorter side, {most:.3} mm")
-        } else if is_tight(side.inset(corner)) {
+        } else if is_tight(self.flat_contour(mirror).inset(corner)) {
             format!("leave the mirror's corners {} mm of material", Self::CLEAR_MM)
         } else {
             return None;
@@ -97,7 +151,11 @@ impl BorderSpec {
         Some(BorderConflict {
             feature: BorderFeature::Corners,
             message: format!("part.corner_radius_mm must {what}, found {radius}"),
-            hint: "take a smaller radius or a wider border_mm".to_owned(),
+            hint: match self.edge_chamfer_mm > 0.0 {
+                true => "take a smaller radius, a smaller edge_chamfer_mm or a wider border_mm",
+                false => "take a smaller radius or a wider border_mm",
+            }
+            .to_owned(),
         })
     }
 
@@ -116,12 +174,12 @@ impl BorderSpec {
         let (gap, hint) = self.gap_to_mirror(mirror, feature, spot);
         conflict("the mirror", gap, hint)
             .or_else(|| {
-                let side = self.contour(mirror);
+                let (flat, [edge, reaches]) = (self.flat_contour(mirror), self.edge_words());
                 let hint = format!(
-                    "the part reaches {}; move the {name} inwards, make it smaller or widen border_mm",
-                    extent_text(&side)
+                    "{reaches} {}; move the {name} inwards, make it smaller or widen border_mm",
+                    extent_text(&flat)
                 );
-                conflict("the part's side", side.inset(spot.at) - spot.radius(), hint)
+                conflict(edge, flat.inset(spot.at) - spot.radius(), hint)
             })
             .or_else(|| {
                 before.iter().find_map(|(other, there)| overlap((feature, spot), (*other, there)))
@@ -163,6 +221,7 @@ impl BorderFeature {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Corners => "corners",
+            Self::Edges => "edges",
             Self::Hole(_) | Self::Drilling(_) => "hole",
             Self::Mark(_) => "mark",
         }
@@ -172,6 +231,7 @@ impl BorderFeature {
     fn key(self) -> &'static str {
         match self {
             Self::Corners => "part.corner_radius_mm",
+            Self::Edges => "part.edge_chamfer_mm",
             Self::Hole(_) => "part.holes_mm",
             Self::Mark(_) => "part.marks_mm",
             Self::Drilling(_) => "hole.at_mm",
@@ -255,7 +315,14 @@ mod tests {
             list.iter().map(spot).collect()
         };
         let (holes, marks) = (spots(holes), spots(marks));
-        BorderSpec { width_mm: 8.0, rim_mm: 2.0, corner_radius_mm, holes, marks }
+        BorderSpec {
+            width_mm: 8.0,
+            rim_mm: 2.0,
+            corner_radius_mm,
+            edge_chamfer_mm: 0.0,
+            holes,
+            marks,
+        }
     }
 
     const HALF: DVec2 = DVec2::new(30.0, 20.0);
@@ -326,5 +393,77 @@ mod tests {
             conflict(28.1).unwrap().contains("at most half the part's shorter side, 28.000 mm")
         );
         assert_eq!(border(99.0, &[], &[]).conflicts(&ROUND), []);
+    }
+
+    fn chamfered(leg: f64, corner: f64) -> BorderSpec {
+        BorderSpec { edge_chamfer_mm: leg, ..border(corner, &[], &[]) }
+    }
+
+    /// A rim 2 mm high and a border 8 mm wide; what the hint says fits.
+    #[test]
+    fn chamfers_leave_something_of_side_rim_and_corners() {
+        let found = |spec: &BorderSpec| {
+            let conflicts = spec.conflicts(&RECT);
+            conflicts.into_iter().next().map(|c| (c.feature, c.message, c.hint))
+        };
+        let side = BorderSpec { rim_mm: 99.0, ..chamfered(7.9, 0.0) };
+        let (rim, corner) = (chamfered(0.95, 0.0), chamfered(0.5, 0.6));
+        for (spec, message, hint) in [
+            (
+                &rim,
+                "0.1 mm of side between them, found 0.9501 for rim_mm = 2",
+                "set edge_chamfer_mm = 0.95",
+            ),
+            (
+                &side,
+                "0.1 mm of flat rim, found 7.9001 for border_mm = 8",
+                "set edge_chamfer_mm = 7.9",
+            ),
+            (
+                &corner,
+                "0.1 mm of radius of the corners, found 0.5001 for corner_radius_mm = 0.6",
+                "set edge_chamfer_mm = 0.5",
+            ),
+        ] {
+            assert_eq!(found(spec), None);
+            let larger =
+                BorderSpec { edge_chamfer_mm: spec.edge_chamfer_mm + 1e-4, ..spec.clone() };
+            let wanted = format!("part.edge_chamfer_mm must leave {message}");
+            assert_eq!(found(&larger), Some((BorderFeature::Edges, wanted, hint.to_owned())));
+        }
+        let thin = BorderSpec { rim_mm: 0.25, ..chamfered(0.2, 0.0) };
+        assert_eq!(found(&thin).unwrap().2, "leave edge_chamfer_mm out");
+    }
+
+    /// Each is just far enough away from the chamfer of the edge, and a little larger one is not.
+    #[test]
+    fn holes_and_marks_stay_clear_of_chamfered_edges() {
+        for (mirror, corner, [x, y], widest) in [
+            (RECT, 0.0, [37.0, 0.0], 1.0),
+            (RECT, 0.0, [36.5, 27.0], 1.0),
+            // 5 mm from the arc's centre.
+            (RECT, 8.0, [33.0, 24.0], 2.0 * (8.0 - 5.0 - 0.5)),
+            (ROUND, 0.0, [0.0, 37.0], 1.0),
+        ] {
+            let fits = |clear: f64| {
+                let d = widest - 2.0 * clear;
+                let spots: &[[f64; 3]] = &[[x, y, d]];
+                [(spots, &[][..]), (&[], spots)].map(|(holes, marks)| {
+                    let spec = BorderSpec { edge_chamfer_mm: 0.5, ..border(corner, holes, marks) };
+                    let conflicts = spec.conflicts(&mirror);
+                    let said = conflicts.first().map(|conflict| conflict.message.clone());
+                    said.is_none_or(|said| {
+                        assert!(said.contains("clear of the chamfer of the part's edge"), "{said}");
+                        false
+                    })
+                })
+            };
+            assert_eq!([fits(0.1 + 1e-5), fits(0.1 - 1e-5)], [[true; 2], [false; 2]], "{x} {y}");
+        }
+        // The mirror's corner is (c - 8) sqrt(2) from an arc's centre, and 0.5 mm nearer to the flat rim's edge.
+        let most = (8.0 * f64::sqrt(2.0) - 0.6) / (f64::sqrt(2.0) - 1.0);
+        let conflict = |c: f64| chamfered(0.5, c).conflicts(&RECT).pop().map(|c| c.feature);
+        assert_eq!(conflict(most - 1e-4), None);
+        assert_eq!(conflict(most + 1e-4), Some(BorderFeature::Corners));
     }
 }

@@ -65,6 +65,9 @@ impl PartSpec {
     pub fn conflicts(&self, mirror: &Outline) -> Vec<BorderConflict> {
         let border = self.border.as_ref();
         let mut conflicts = border.map_or_else(Vec::new, |border| border.conflicts(mirror));
+        if conflicts.iter().any(|conflict| conflict.feature == BorderFeature::Edges) {
+            return conflicts;
+        }
         let mut before: Vec<(BorderFeature, Drilled)> = Vec::new();
         if let Some(border) = border {
             let holes = border.holes.iter().enumerate();
@@ -97,15 +100,17 @@ impl PartSpec {
         blind: &BlindHole,
     ) -> Option<BorderConflict> {
         let spot = spec.spot();
-        let side =
-            self.border.as_ref().map_or_else(|| rim(mirror), |border| border.contour(mirror));
-        let gap = side.inset(spot.at) - spot.radius();
+        let (flat, [edge, reaches]) = match &self.border {
+            Some(border) => (border.flat_contour(mirror), border.edge_words()),
+            None => (rim(mirror), ["the part's side", "the part reaches"]),
+        };
+        let gap = flat.inset(spot.at) - spot.radius();
         if is_tight(gap) {
             let hint = format!(
-                "the part reaches {}; move the hole inwards or make it smaller",
-                extent_text(&side)
+                "{reaches} {}; move the hole inwards or make it smaller",
+                extent_text(&flat)
             );
-            return Some(too_close(feature, &spot, "the part's side", gap, hint));
+            return Some(too_close(feature, &spot, edge, gap, hint));
         }
         let overlapped =
             before.iter().find_map(|(other, there)| overlap((feature, &spot), (*other, there)));

@@ -43,6 +43,9 @@ pub struct DrawingFacts {
     /// Radius of the part's corners, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub corner_radius_mm: Option<f64>,
+    /// Leg of the chamfers of 45 degrees along the part's outer edges, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_chamfer_mm: Option<f64>,
     /// Holes and marks, in the order of their numbers on the drawing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<DrawnFeature>,

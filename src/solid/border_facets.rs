@@ -86,8 +86,12 @@ pub(super) fn close(
     precision: Precision,
 ) -> Result<(), SolidError> {
     let top = border.top_mm;
-    let polygon = border.contour.polygon();
-    let side = [top, 0.0].map(|z| add_polygon(mesh, &polygon, z));
+    let edges = border.side_edges();
+    let side: Vec<Vec<u32>> = edges
+        .iter()
+        .map(|edge| add_polygon(mesh, &border.contour.shrunk_polygon(edge.x), edge.y))
+        .collect();
+    let lowest = &side[side.len() - 1];
     let mut holes = through(mesh, &border.holes, top);
     let marks: Vec<Vec<u32>> =
         border.marks.iter().map(|mark| add_polygon(mesh, &mark.polygon(mark.at), top)).collect();
@@ -104,8 +108,8 @@ pub(super) fn close(
     holes.extend(of_land);
     holes.extend(blind.iter().map(|blind| HoleLoops::new(mesh, &blind.meridian())));
     holes.iter().for_each(|hole| hole.close(mesh));
-    wall(mesh, &side[0], &side[1]);
-    base(mesh, &side[1], &holes, precision)
+    side.windows(2).for_each(|pair| wall(mesh, &pair[0], &pair[1]));
+    base(mesh, lowest, &holes, precision)
 }
 
 /// Closes what is open at `feet`, the loop of the face's skirt on the base, around blind holes; at least one.
@@ -152,7 +156,7 @@ pub(super) fn added_facets(features: PartFeatures) -> usize {
         holes.iter().map(|hole| hole.meridian(top)).collect()
     };
     let holes = meridians(&border.holes, border.top_mm);
-    let side = border.contour.polygon().len();
+    let (side, edges) = (border.contour.polygon().len(), border.side_edges().len());
     let marks: usize = border.marks.iter().map(|mark| mark.polygon(DVec2::ZERO).len()).sum();
     let flat = side + mouths(&holes) + marks + 2 * border.marks.len();
     let base = side + mouths(&holes) + mouths(&blind) - 2;
@@ -161,7 +165,7 @@ pub(super) fn added_facets(features: PartFeatures) -> usize {
         // In the land, in the base and the walls between them.
         2 * mouths(&holes) - 2 + walls(&holes)
     });
-    flat + base + marks + walls(&holes) + walls(&blind) + 2 * side + land
+    flat + base + marks + walls(&holes) + walls(&blind) + 2 * (edges - 1) * side + land
 }
 
 fn through(mesh: &mut TriMesh, holes: &[Hole], top: f64) -> Vec<HoleLoops> {
@@ -202,7 +206,14 @@ mod tests {
         };
         let contour = Contour::Rect { half: DVec2::splat(3.0), corner_mm: 0.0 };
         let holes = holes.iter().map(|&[x, y, d]| Hole::plain(DVec2::new(x, y), d)).collect();
-        Border { contour, top_mm: 1.0, holes, marks: drilled(marks), land: None }
+        Border {
+            contour,
+            top_mm: 1.0,
+            edge_chamfer_mm: 0.0,
+            holes,
+            marks: drilled(marks),
+            land: None,
+        }
     }
 
     fn closed(stock: &Border, precision: Precision) -> Result<Solid, SolidError> {
@@ -229,6 +240,36 @@ mod tests {
             );
             let off = solid.check().volume_mm3 - (stock.volume(4.0) + 8.0);
             assert!(off.abs() <= stock.chords_mm3() + 1e-6 && off.abs() > 1e-5, "{off}");
+        }
+    }
+
+    /// Of every contour, with mitres at sharp corners.
+    #[test]
+    fn plates_with_chamfered_edges_are_closed_and_as_large_as_their_closed_forms() {
+        let rect = |x: f64, y: f64, corner_mm| Contour::Rect { half: DVec2::new(x, y), corner_mm };
+        // Corners, and what two chamfers take off the edges: prisms less pyramids at mitres, rings by Pappus' theorem.
+        let c: f64 = 0.25;
+        let ring = |radius: f64| 2.0 * PI * (radius - c / 3.0) * 0.5 * c * c;
+        for (contour, straight, corners) in [
+            (rect(3.0, 2.5, 0.0), 22.0, -4.0 / 3.0 * c * c * c),
+            (rect(3.0, 2.5, 0.5), 18.0, ring(0.5)),
+            (rect(3.0, 2.5, 2.5), 2.0, ring(2.5)),
+            (Contour::Circle { radius_mm: 3.0 }, 0.0, ring(3.0)),
+        ] {
+            let stock = Border { contour, edge_chamfer_mm: c, ..plate(&[], &[]) };
+            let exact = contour.area() + 4.0 - 2.0 * (0.5 * c * c * straight + corners);
+            let around = rim(&tests::face()).unwrap();
+            for (precision, digits) in [(Precision::Single, 1e-6), (Precision::Double, 1e-13)] {
+                let solid = closed(&stock, precision).unwrap();
+                let facets = solid.mesh().triangles.len();
+                assert_eq!(facets, 2 + added(around, PartFeatures::bordered(Some(&stock))));
+                // Face, skirt, flat top and base, and three walls of two facets at each corner of the contour.
+                let side = contour.polygon().len();
+                assert_eq!(facets, 2 + 8 + (side + 4) + (side - 2) + 6 * side, "{contour:?}");
+                let lost = exact - solid.check().volume_mm3;
+                let off = lost - stock.chords_mm3();
+                assert!(off.abs() < digits * exact, "{contour:?}: {lost} {off:e}");
+            }
         }
     }
 

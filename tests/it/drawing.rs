@@ -145,3 +145,20 @@ fn holes_are_told_in_the_words_of_a_shop() {
         assert!(shown.iter().any(|line| line == name) && shown.iter().any(|line| line == what));
     }
 }
+
+#[test]
+fn chamfered_edges_are_drawn_and_told() {
+    let out = folder();
+    let text = include_str!("../fixtures/part.toml");
+    for (leg, text) in
+        [(Some(0.5), text.to_owned()), (None, text.replace("edge_chamfer_mm = 0.5\n", ""))]
+    {
+        let profile = Profile::parse("part", "part.toml", text.as_bytes()).unwrap();
+        let report = DrawingOptions.publish(&profile, out.path(), &Silent).unwrap();
+        assert_eq!(report.drawing.edge_chamfer_mm, leg);
+        let shown = shown(&std::fs::read(out.path().join("part/drawing.pdf")).unwrap());
+        assert_eq!(shown.iter().any(|line| line == "edges 0.5 x 45\u{b0}"), leg.is_some());
+        let json = json(&out.path().join("part/drawing.json"));
+        assert_eq!(json.get("edge_chamfer_mm").and_then(Value::as_f64), leg);
+    }
+}

@@ -36,6 +36,20 @@ fn drilled_away(design: &Design, area: impl Fn(f64) -> f64) -> f64 {
     holes + marks + land.holes.iter().map(|d| z * area(d.diameter_mm)).sum::<f64>()
 }
 
+/// What the chamfers of both edges of the side take off, where a circle of radius 1 has this area: prisms along straight sides, less
+/// what they share at mitres, and rings about round corners, in which areas go with the square of the radius.
+fn edges_mm3(stock: &Border, unit_area: f64) -> f64 {
+    let c = stock.edge_chamfer_mm;
+    let ring = |r: f64| unit_area * (r - c / 3.0) * c * c;
+    2.0 * match stock.contour {
+        Contour::Circle { radius_mm } => ring(radius_mm),
+        Contour::Rect { half, corner_mm: 0.0 } => {
+            2.0 * (half.x + half.y) * c * c - 4.0 / 3.0 * c * c * c
+        }
+        Contour::Rect { half, corner_mm: r } => 2.0 * (half.x + half.y - 2.0 * r) * c * c + ring(r),
+    }
+}
+
 /// The solid is the face's prism on a plate that is counted by hand: exactly, for the polygons.
 #[test]
 fn the_volume_is_that_of_a_face_on_a_plate() {
@@ -66,19 +80,18 @@ fn the_volume_is_that_of_a_face_on_a_plate() {
                 let corners = Hole::plain(DVec2::ZERO, diameter_mm).meridian(1.0).corners();
                 polygon_area(0.5 * diameter_mm, corners)
             };
-            let plate = match stock.contour {
-                Contour::Circle { radius_mm } => {
-                    polygon_area(radius_mm, stock.contour.polygon().len())
-                }
+            let corners = stock.contour.polygon().len();
+            let (plate, arcs) = match stock.contour {
+                Contour::Circle { radius_mm } => (polygon_area(radius_mm, corners), corners),
                 Contour::Rect { half, corner_mm: c } => {
-                    let arcs = stock.contour.polygon().len() - 4;
+                    let arcs = corners - 4;
                     let corners = if c > 0.0 { polygon_area(c, arcs) } else { 0.0 };
-                    4.0 * (half.x * half.y - c * c) + corners
+                    (4.0 * (half.x * half.y - c * c) + corners, arcs)
                 }
             };
             let top = stock.top_mm;
-            let exact =
-                bare.check().volume_mm3 + top * (plate - covered) - drilled_away(&design, area);
+            let cut = drilled_away(&design, area) + edges_mm3(stock, polygon_area(1.0, arcs));
+            let exact = bare.check().volume_mm3 + top * (plate - covered) - cut;
             let off = check.volume_mm3 / exact - 1.0;
             let digits = if precision == Precision::Single { 1e-7 } else { 1e-13 };
             println!("{what} {precision:?}: {} of {exact}, off by {off:e}", check.volume_mm3);
@@ -106,7 +119,7 @@ fn the_expected_volume_has_true_circles() {
             _ => curved(&design),
         };
         let area = |diameter_mm: f64| 0.25 * PI * diameter_mm * diameter_mm;
-        let cut = drilled_away(&design, area);
+        let cut = drilled_away(&design, area) + edges_mm3(stock, PI);
         let exact = design.mirror.volume() + stock.top_mm * (plate - covered) - cut;
         let off = design.volume() / exact - 1.0;
         assert!(off.abs() < 1e-10, "{what}: {} of {exact}, off by {off:e}", design.volume());

@@ -69,6 +69,36 @@ fn what_does_not_fit_is_refused_with_its_place() {
         ),
         (STRIP, "border_mm = 8\ncorner_radius_mm = 28", "p.toml:9:20: part.corner_radius_mm must "),
         (STRIP, "rim_mm = 2", "p.toml:8:10: part.rim_mm must go with border_mm"),
+        (STRIP, "edge_chamfer_mm = 1", "p.toml:8:19: part.edge_chamfer_mm must go with border_mm"),
+        (
+            STRIP,
+            "border_mm = 8\nedge_chamfer_mm = 0.05",
+            "p.toml:9:19: part.edge_chamfer_mm must be a number from 0.1 to 1000000, found 0.05",
+        ),
+        (
+            STRIP,
+            "border_mm = 8\nedge_chamfer_mm = 2",
+            "p.toml:9:19: part.edge_chamfer_mm must leave 0.1 mm of side between them, found 2 for rim_mm \
+             = 4\n  hint: set edge_chamfer_mm = 1.95",
+        ),
+        (
+            DISC,
+            "border_mm = 1\nrim_mm = 4\nedge_chamfer_mm = 1",
+            "p.toml:10:19: part.edge_chamfer_mm must leave 0.1 mm of flat rim, found 1 for border_mm = 1\n  \
+             hint: set edge_chamfer_mm = 0.9",
+        ),
+        // The width of a pinhole's strip is not known yet.
+        (
+            PINHOLE,
+            "border_mm = 8\ncorner_radius_mm = 1\nedge_chamfer_mm = 1",
+            "p.toml:10:19: part.edge_chamfer_mm must leave 0.1 mm of radius of the corners, found 1 for \
+             corner_radius_mm = 1\n  hint: set edge_chamfer_mm = 0.9",
+        ),
+        (
+            STRIP,
+            "border_mm = 8\nedge_chamfer_mm = 1\nmarks_mm = [[0, 28, 2]]",
+            "p.toml:10:13: part.marks_mm must stay 0.1 mm clear of the chamfer of the part's edge, found [0, 28, 2]",
+        ),
         (
             STRIP,
             "border_mm = 8\nrim_mm = 8",
@@ -152,7 +182,7 @@ fn corners_that_take_up_a_side_but_for_rounding_take_it_up() {
 #[test]
 fn random_parts_close_or_are_refused() {
     let bases = [STRIP, CONQUISTADOR, DISC, ANNULUS, PINHOLE, GIVEN];
-    let mut r = Draws::new(7);
+    let (mut r, mut of_edges) = (Draws::new(7), Draws::new(8));
     let [mut closed, mut refused] = [0, 0];
     for k in 0..120 {
         let base = bases[k % bases.len()];
@@ -192,9 +222,13 @@ fn random_parts_close_or_are_refused() {
             .replace(", terms = [[3, 0, 1e-5], [0, 1, 0.01]]", "")
             .replace("inner_width_mm = 16", &format!("inner_width_mm = {}", 16.0 * scale))
             .replace("chord_um = 20", &format!("chord_um = {}", 20.0 * scale));
+        // (Chamfers of thin parts are refused, as are their holes.)
+        let leg = of_edges.octaves([0.1, (0.1 * thick.min(border)).max(0.11)]);
+        let is_chamfered = of_edges.chance(0.6) && thick.min(border) > 1.0;
+        let edges = if is_chamfered { format!("edge_chamfer_mm = {leg}\n") } else { String::new() };
         let text = format!(
             "{base}[part]\nwidth_mm = {size}\nbase_mm = {thick}\nborder_mm = {border}\n{height}{corner}\
-             {holes}{marks}"
+             {edges}{holes}{marks}"
         );
         let Ok(profile) = Profile::parse("p", "p.toml", text.as_bytes()) else {
             refused += 1;

@@ -54,7 +54,9 @@ def pdf(path, facts, profile):
     figures = [mm(x), mm(z), facts["scale"], facts["paper"], profile["name"], profile["sha256"][:16]]
     figures += [] if facts["is_round"] else [mm(y)]
     figures += [mm(facts["lowest_mm"]), mm(facts["sphere_departure_mm"]), *facts["datums"], facts["camera"]]
-    figures += [mm(facts[key]) for key in ("rim_mm", "corner_radius_mm", "surface_profile_mm") if key in facts]
+    lengths = ("rim_mm", "corner_radius_mm", "surface_profile_mm")
+    figures += [mm(facts[key]) for key in lengths if key in facts]
+    figures += [f"edges {mm(facts['edge_chamfer_mm'])} x 45\u00b0"] if "edge_chamfer_mm" in facts else []
     figures += [mm(facts["slope_error_mrad"])] if "slope_error_mrad" in facts else []
     figures += [mm(abs(facts["sphere_radius_mm"]))] if "sphere_radius_mm" in facts else []
     figures += [f"{place[2]:.4f}" for place in facts["sag_mm"]] + [str(facts["inspection_points"])]

@@ -3,10 +3,11 @@
 
 usage: check_step.py FILE.step...
 Beside each file, FILE.step.json may say {"volume_mm3": ..., "faces": ...}, or the report.json of its
-build the volume, and the datum features and tolerance of an AP242 file.
+build the volume, the holes, and the datum features and tolerance of an AP242 file.
 Prints one line per file; exits 1 if any of them is not one valid closed solid in millimetres whose
 edges lie on their faces within 1e-7 mm, does not intersect itself, or has another volume or number
-of faces than is wanted, or other datum features and tolerances than the report has, as XCAF reads them.
+of faces than is wanted, or, as XCAF reads them, other names and colours of faces than docs/files.md has, or other holes, datum
+features and tolerances than the report.
 """
 
 import json
@@ -20,15 +21,11 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_ReturnStatus
-from OCP.Quantity import Quantity_Color
-from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.STEPControl import STEPControl_Reader
-from OCP.TCollection import TCollection_ExtendedString
-from OCP.TDocStd import TDocStd_Document
-from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID, TopAbs_VERTEX
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
+import step_faces
 import step_pmi
 from verdicts import told
 
@@ -91,25 +88,11 @@ def beside(path):
     if os.path.exists(report):
         with open(report, encoding="utf-8") as file:
             found = json.load(file)
-        wanted = {"pmi": found["step"].get("pmi")}
+        wanted = {"pmi": found["step"].get("pmi"), "holes": found.get("holes", [])}
         if found.get("solid"):
             wanted["volume_mm3"] = found["solid"]["volume_expected_mm3"]
         return wanted
     return {}
-
-
-def coloured(path):
-    """How many faces have a colour of their own, as programs that read attributes see them."""
-    document = TDocStd_Document(TCollection_ExtendedString("part"))
-    reader = STEPCAFControl_Reader()
-    reader.SetColorMode(True)
-    reader.ReadFile(path)
-    reader.Transfer(document)
-    shapes = static(XCAFDoc_DocumentTool, "ShapeTool")(document.Main())
-    colours = static(XCAFDoc_DocumentTool, "ColorTool")(document.Main())
-    shape = static(type(shapes), "GetShape")(shapes.Label().FindChild(1, False))
-    surface = XCAFDoc_ColorType.XCAFDoc_ColorSurf
-    return sum(colours.GetColor(face, surface, Quantity_Color()) for face in parts(shape, TopAbs_FACE))
 
 
 def complaints(path):
@@ -145,11 +128,11 @@ def complaints(path):
         "vertices within 1e-7 mm": (at_vertices <= GAP, True),
         "fit for booleans": (not analyzer.HasFaulty(), True),
     }
-    with open(path, encoding="ascii") as file:
-        optical = file.read().count("ADVANCED_FACE('OPTICAL'")
-    found["coloured faces"] = (coloured(path), optical)
     wrong = [f"{name} {got}, not {want}" for name, (got, want) in found.items() if got != want]
+    wrong += step_faces.complaints(path, wanted.get("holes"))
     if wanted.get("pmi"):
+        with open(path, encoding="ascii") as file:
+            optical = file.read().count("ADVANCED_FACE('OPTICAL'")
         wrong += step_pmi.complaints(path, wanted["pmi"], optical)
     holds = volume(shape)
     figures = f"{count['faces']} faces, {holds:.6f} mm3, gaps {apart:.1e} mm"

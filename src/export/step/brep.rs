@@ -4,12 +4,12 @@ use super::b_spline::{BSplineSurface, KnotVector};
 use super::border::write_border;
 use super::face_role::FaceRole;
 use super::fit::{FittedFaces, FittedMirror, WallFoot};
-use super::hole::{cone, write_hole};
+use super::hole::write_hole;
 use super::panels::{WrittenSurface, write_panels};
 use super::part21::{DataSection, InstanceId, list};
 use super::rim_curve::RimCurve;
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
-use crate::geom::{DVec2, DVec3, Land, PartFeatures};
+use crate::geom::{DVec2, DVec3, NumberedHole, PartFeatures};
 
 /// Writes the body with its features; its number.
 pub(super) fn write_body(
@@ -18,6 +18,9 @@ pub(super) fn write_body(
     features: PartFeatures,
 ) -> InstanceId {
     let (mut faces, mut lows) = (Vec::new(), Vec::new());
+    let holes: Vec<NumberedHole> = features.holes().collect();
+    let land = features.border.and_then(|border| border.land.as_ref());
+    let (in_land, holes) = holes.split_at(land.map_or(0, |land| land.holes.len()));
     let foot_mm = features.foot_mm();
     let foot = match &fit.faces {
         FittedFaces::Panel { net, straight, folded } => {
@@ -29,19 +32,18 @@ pub(super) fn write_body(
             wall(data, outer, *outer_mm, (foot_mm, WallFoot::Below), &mut faces)
         }
         FittedFaces::Revolved { radius, points } => {
-            let land = features.border.and_then(|border| border.land.as_ref());
-            let outer = turned(data, radius, points, land, &mut lows, &mut faces);
+            let outer = turned(data, radius, points, in_land, &mut lows, &mut faces);
             wall(data, outer, points[points.len() - 1].x, (foot_mm, fit.foot), &mut faces)
         }
     };
     match features.border {
         Some(border) => {
-            write_border(data, border, &foot, (&lows, features.blind_holes), &mut faces);
+            write_border(data, border, &foot, (&lows, holes), &mut faces);
         }
         None => {
             let mut base = vec![reversed(&foot)];
-            for hole in features.blind_holes {
-                let [low, _] = write_hole(data, &hole.meridian(), &mut faces);
+            for hole in holes {
+                let [low, _] = write_hole(data, hole, &mut faces);
                 base.push(vec![low.forward()]);
             }
             faces.push(data.plane_face(FaceRole::Base, &base, DVec3::ZERO, DVec3::NEG_Z));
@@ -68,7 +70,7 @@ fn wall(
         let is_sunk = rim_at.y < foot_mm;
         let ends = if is_sunk { [rim_at, foot_at] } else { [foot_at, rim_at] };
         let edges = if is_sunk { [rim, foot] } else { [foot, rim] };
-        let cone = cone(data, DVec2::ZERO, ends);
+        let cone = data.cylinder_or_cone(DVec2::ZERO, ends);
         faces.push(data.turned_face(FaceRole::Wall, edges, cone, !is_sunk));
         return vec![foot.forward()];
     }
@@ -126,7 +128,7 @@ fn turned(
     data: &mut DataSection,
     radius: &KnotVector,
     points: &[DVec3],
-    land: Option<&Land>,
+    in_land: &[NumberedHole],
     lows: &mut Vec<BrepEdge>,
     faces: &mut Vec<InstanceId>,
 ) -> BrepEdge {
@@ -146,8 +148,8 @@ fn turned(
         let inner = rim(start);
         boundary.push(inner.backward());
         let mut loops = vec![vec![inner.forward()]];
-        for hole in land.into_iter().flat_map(|land| &land.holes) {
-            let [low, high] = write_hole(data, &hole.meridian(start.at.z), faces);
+        for hole in in_land {
+            let [low, high] = write_hole(data, hole, faces);
             loops.push(vec![high.backward()]);
             lows.push(low);
         }

@@ -1,9 +1,11 @@
 //! The parts of a body that its faces bound.
 
+use crate::geom::{HoleKind, NumberedHole};
 use std::fmt::{self, Display};
 
 /// The part of the body that a face bounds: its name in the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a body has some hundred faces at the most")]
 pub(super) enum FaceRole {
     /// The mirror.
     Optical,
@@ -15,12 +17,32 @@ pub(super) enum FaceRole {
     Rim,
     /// An outer wall of the border.
     Side,
+    /// A chamfer of an outer edge of the border.
+    Chamfer,
     /// The bottom.
     Base,
-    /// A hole, counted from 1.
-    Hole(usize),
+    /// A hole.
+    Hole(NumberedHole),
     /// A mark, counted from 1.
     Mark(usize),
+}
+
+impl FaceRole {
+    /// Its colour in the file, red, green and blue from 0 to 1: one for what a shop makes with the same tool and care.
+    pub(super) fn colour(&self) -> &'static str {
+        match self {
+            Self::Optical => "0.55,0.75,0.95",
+            Self::Base => "0.5,0.75,0.5",
+            Self::Hole(NumberedHole { hole, .. }) => match hole.kind {
+                HoleKind::Thread { .. } => "0.95,0.6,0.25",
+                HoleKind::Dowel => "0.85,0.3,0.3",
+                HoleKind::Plain | HoleKind::Screw(_) => "0.9,0.85,0.4",
+            },
+            Self::Mark(_) => "0.7,0.5,0.8",
+            Self::Chamfer => "0.6,0.65,0.65",
+            Self::Land | Self::Wall | Self::Rim | Self::Side => "0.8,0.8,0.8",
+        }
+    }
 }
 
 impl Display for FaceRole {
@@ -31,8 +53,10 @@ impl Display for FaceRole {
             Self::Wall => f.write_str("WALL"),
             Self::Rim => f.write_str("RIM"),
             Self::Side => f.write_str("SIDE"),
+            Self::Chamfer => f.write_str("CHAMFER"),
             Self::Base => f.write_str("BASE"),
-            Self::Hole(k) => write!(f, "HOLE_{k}"),
+            Self::Hole(hole) if hole.is_plain() => write!(f, "HOLE_{}", hole.number),
+            Self::Hole(hole) => write!(f, "HOLE_{} {}", hole.number, hole.words()),
             Self::Mark(k) => write!(f, "MARK_{k}"),
         }
     }

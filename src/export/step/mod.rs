@@ -204,25 +204,36 @@ fn product(
     ShapeContext { shape, brep, length }
 }
 
-/// Colour of the mirror's faces: red, green, blue.
-const MIRROR_COLOUR: &str = "0.55,0.75,0.95";
-
-/// Gives the mirror's faces a colour of their own.
+/// Gives every face the colour of its role.
 fn coloured(data: &mut DataSection, space: InstanceId) {
-    let colour = data.add(format_args!("COLOUR_RGB('',{MIRROR_COLOUR})"));
+    let mut styles: Vec<(&str, InstanceId)> = Vec::new();
+    let mut items = Vec::new();
+    for face in data.faces.clone() {
+        let colour = face.role.colour();
+        let known = styles.iter().find(|(known, _)| *known == colour);
+        let style = match known {
+            Some((_, style)) => *style,
+            None => {
+                let style = style(data, colour);
+                styles.push((colour, style));
+                style
+            }
+        };
+        items.push(data.add(format_args!("STYLED_ITEM('',({style}),{})", face.id)));
+    }
+    let items = list(&items);
+    data.add(format_args!(
+        "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{items},{space})"
+    ));
+}
+
+/// The style of surfaces with a colour, seen from both sides.
+fn style(data: &mut DataSection, colour: &str) -> InstanceId {
+    let colour = data.add(format_args!("COLOUR_RGB('',{colour})"));
     let fill = data.add(format_args!("FILL_AREA_STYLE_COLOUR('',{colour})"));
     let fill = data.add(format_args!("FILL_AREA_STYLE('',({fill}))"));
     let fill = data.add(format_args!("SURFACE_STYLE_FILL_AREA({fill})"));
     let side = data.add(format_args!("SURFACE_SIDE_STYLE('',({fill}))"));
     let usage = data.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,{side})"));
-    let style = data.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT(({usage}))"));
-    let faces: Vec<InstanceId> = data.optical().collect();
-    let items: Vec<InstanceId> = faces
-        .into_iter()
-        .map(|face| data.add(format_args!("STYLED_ITEM('',({style}),{face})")))
-        .collect();
-    let items = list(&items);
-    data.add(format_args!(
-        "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{items},{space})"
-    ));
+    data.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT(({usage}))"))
 }

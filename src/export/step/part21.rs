@@ -30,8 +30,6 @@ pub(super) struct DataSection {
     /// The body's faces.
     pub(super) faces: Vec<WrittenFace>,
     last: u32,
-    /// Holes named so far.
-    pub(super) holes: usize,
 }
 
 impl DataSection {

@@ -27,7 +27,9 @@ fn is_feature(face: &WrittenFace, feature: DatumFeature, bordered: bool) -> bool
     };
     match feature {
         DatumFeature::Base => face.role == FaceRole::Base,
-        DatumFeature::Hole(k) => face.role == FaceRole::Hole(k),
+        DatumFeature::Hole(k) => {
+            matches!(face.role, FaceRole::Hole(hole) if hole.number == k)
+        }
         DatumFeature::Outside => is_outer,
         DatumFeature::FrontSide => looks(DVec2::NEG_Y),
         DatumFeature::LeftSide => looks(DVec2::NEG_X),

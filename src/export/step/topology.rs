@@ -2,8 +2,9 @@
 
 use super::b_spline::KnotVector;
 use super::face_role::FaceRole;
-use super::part21::{DataSection, InstanceId, WrittenFace, digits, list, real};
+use super::part21::{DataSection, InstanceId, WrittenFace, digits, list, quoted, real};
 use crate::geom::{DVec2, DVec3};
+use crate::num::atan2;
 
 /// A vertex and where it is.
 #[derive(Debug, Clone, Copy)]
@@ -56,12 +57,6 @@ pub(super) fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
 }
 
 impl DataSection {
-    /// The role of the next hole's faces.
-    pub(super) fn next_hole(&mut self) -> FaceRole {
-        self.holes += 1;
-        FaceRole::Hole(self.holes)
-    }
-
     pub(super) fn point(&mut self, at: DVec3) -> InstanceId {
         let [x, y, z] = at.to_array().map(real);
         self.add(format_args!("CARTESIAN_POINT('',({x},{y},{z}))"))
@@ -229,7 +224,8 @@ impl DataSection {
             bounds.push(self.add(format_args!("{name}('',{boundary},.T.)")));
         }
         let (bounds, flag) = (list(&bounds), if same { "T" } else { "F" });
-        let id = self.add(format_args!("ADVANCED_FACE('{role}',{bounds},{surface},.{flag}.)"));
+        let name = quoted(&role.to_string());
+        let id = self.add(format_args!("ADVANCED_FACE({name},{bounds},{surface},.{flag}.)"));
         self.faces.push(WrittenFace { id, role, out });
         id
     }
@@ -253,6 +249,18 @@ impl DataSection {
     pub(super) fn cylinder(&mut self, centre: DVec2, radius: f64) -> InstanceId {
         let place = self.placement(centre.extend(0.0), DVec3::Z, DVec3::X);
         self.add(format_args!("CYLINDRICAL_SURFACE('',{place},{})", real(radius)))
+    }
+
+    /// The upright cylinder or cone between two circles, or a circle and a point, of such radius and Z.
+    pub(super) fn cylinder_or_cone(&mut self, axis: DVec2, [low, high]: [DVec2; 2]) -> InstanceId {
+        if low.x == high.x {
+            return self.cylinder(axis, low.x);
+        }
+        // Its radius grows along the placement's Z.
+        let wider = if high.x > low.x { DVec3::Z } else { DVec3::NEG_Z };
+        let place = self.placement(axis.extend(low.y), wider, DVec3::X);
+        let half_angle = atan2((high.x - low.x).abs(), high.y - low.y);
+        self.add(format_args!("CONICAL_SURFACE('',{place},{},{half_angle})", real(low.x)))
     }
 
     /// An upright cylinder's face from one round edge to another, with a seam; `same`: material is inside.

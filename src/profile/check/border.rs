@@ -21,6 +21,7 @@ pub(super) struct BorderEntry {
     width: Option<Located<f64>>,
     rim: Option<Located<f64>>,
     corner: Option<Located<f64>>,
+    chamfer: Option<Located<f64>>,
     holes: Vec<Located<Drilled>>,
     marks: Vec<Located<Drilled>>,
 }
@@ -34,10 +35,12 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> BorderEntry
     let rim = number(reader, section, "rim_mm", Optional, SIZE, hint, is_size);
     let hint = "what the part's corners are rounded with; left out they are sharp";
     let corner = number(reader, section, "corner_radius_mm", Optional, must, hint, least);
+    let hint = "the leg of the chamfers of 45 degrees at the outer edges; left out they are sharp";
+    let chamfer = number(reader, section, "edge_chamfer_mm", Optional, must, hint, least);
     let holes = spots(reader, section, "holes_mm");
     let marks = spots(reader, section, "marks_mm");
     if !section.has("border_mm") {
-        for key in ["rim_mm", "corner_radius_mm", "holes_mm", "marks_mm"] {
+        for key in ["rim_mm", "corner_radius_mm", "edge_chamfer_mm", "holes_mm", "marks_mm"] {
             if let Some(value) = reader.value(section, key, Optional, "", "") {
                 let path = section.path_of(key);
                 let message = format!("{path} must go with border_mm, found it alone");
@@ -46,7 +49,7 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> BorderEntry
             }
         }
     }
-    BorderEntry { width, rim, corner, holes, marks }
+    BorderEntry { width, rim, corner, chamfer, holes, marks }
 }
 
 fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Located<Drilled>> {
@@ -114,24 +117,20 @@ pub(super) fn check(
             reader.complain(mark.at, message, hint);
         }
     }
-    // Of a mirror whose outline the design alone can tell, and of a tool, the design complains.
-    if tool.is_some() {
-        return;
-    }
-    let (Some(mirror), Some(width)) = (reach::known_outline(parts), parts.part.width) else {
-        return;
+    let conflicts = match (reach::known_outline(parts), parts.part.width) {
+        (Some(mirror), Some(width)) if tool.is_none() => {
+            let holes = holes.iter().map(|hole| hole.value).collect();
+            let (width_mm, base_mm) = (width.value, base.value);
+            PartSpec { width_mm, base_mm, border, holes, forming: None }.conflicts(&mirror)
+        }
+        // Of a tool's rim the design complains, of a mirror whose outline it alone can tell of the rest.
+        _ if tool.is_some() => Vec::new(),
+        _ => border.and_then(|border| border.edges()).into_iter().collect(),
     };
-    let specs = holes.iter().map(|hole| hole.value).collect();
-    let part = PartSpec {
-        width_mm: width.value,
-        base_mm: base.value,
-        border,
-        holes: specs,
-        forming: None,
-    };
-    for conflict in part.conflicts(&mirror) {
+    for conflict in conflicts {
         let at = match conflict.feature {
             BorderFeature::Corners => found.corner.map_or(0, |corner| corner.at),
+            BorderFeature::Edges => found.chamfer.map_or(0, |chamfer| chamfer.at),
             BorderFeature::Hole(k) => found.holes[k].at,
             BorderFeature::Mark(k) => found.marks[k].at,
             BorderFeature::Drilling(k) => holes[k].at,
@@ -153,6 +152,7 @@ impl BorderEntry {
             width_mm: self.width?.value,
             rim_mm: self.rim.map_or(0.5 * base_mm, |rim| rim.value),
             corner_radius_mm: self.corner.map_or(0.0, |corner| corner.value),
+            edge_chamfer_mm: self.chamfer.map_or(0.0, |chamfer| chamfer.value),
             holes: spots(&self.holes),
             marks: spots(&self.marks),
         })

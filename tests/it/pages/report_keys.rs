@@ -77,6 +77,7 @@ const RIM: &str = "\
 base_mm = 4
 border_mm = 6
 corner_radius_mm = 2
+edge_chamfer_mm = 0.4
 holes_mm = [[10.5, 8.5, 2]]
 marks_mm = [[-10.5, 8.5, 1]]";
 /// A mould of what is cast.

@@ -117,17 +117,18 @@ part = { width_mm = 60, base_mm = 5 }
 ";
     cases.push(bare("bands", design(&unmeshed(bands)).unwrap().mirror));
     let stocked = [
-        ("conquistador", Contour::Rect { half: DVec2::new(40.0, 32.0), corner_mm: 0.0 }),
-        ("panoramic", Contour::Rect { half: DVec2::new(41.0, 16.0), corner_mm: 6.0 }),
-        ("conformal", Contour::Circle { radius_mm: 48.0 }),
-        ("plane", Contour::Rect { half: DVec2::new(44.0, 40.0), corner_mm: 40.0 }),
-        ("equi-areal", Contour::Circle { radius_mm: 42.0 }),
-        ("conical", Contour::Rect { half: DVec2::splat(42.0), corner_mm: 5.0 }),
+        ("conquistador", Contour::Rect { half: DVec2::new(40.0, 32.0), corner_mm: 0.0 }, 0.75),
+        ("panoramic", Contour::Rect { half: DVec2::new(41.0, 16.0), corner_mm: 6.0 }, 0.75),
+        ("conformal", Contour::Circle { radius_mm: 48.0 }, 1.25),
+        ("plane", Contour::Rect { half: DVec2::new(44.0, 40.0), corner_mm: 40.0 }, 0.5),
+        ("equi-areal", Contour::Circle { radius_mm: 42.0 }, 0.0),
+        ("conical", Contour::Rect { half: DVec2::splat(42.0), corner_mm: 5.0 }, 0.0),
     ];
-    for (name, contour) in stocked {
+    for (name, contour, edge_chamfer_mm) in stocked {
         let mirror = design(&shipped(name)).unwrap().mirror;
         let name = format!("{name}-stock");
-        cases.push(Case { name, mirror, stock: Some(stock(contour)), blind: Vec::new() });
+        let stock = Border { edge_chamfer_mm, ..stock(contour) };
+        cases.push(Case { name, mirror, stock: Some(stock), blind: Vec::new() });
     }
     let pinhole = designed(&profile(&[CAMERA, FOLDED])).mirror;
     let contour = Contour::Rect { half: DVec2::new(45.0, 35.0), corner_mm: 3.0 };
@@ -193,11 +194,12 @@ fn blind() -> Vec<BlindHole> {
 }
 
 /// Holes on the left and right of any mirror of 60 mm, and two marks.
-fn stock(contour: Contour) -> Border {
+pub fn stock(contour: Contour) -> Border {
     let drilled = |x: f64, y: f64, diameter_mm: f64| Drilled { at: DVec2::new(x, y), diameter_mm };
     Border {
         contour,
         top_mm: 3.5,
+        edge_chamfer_mm: 0.0,
         holes: vec![
             Hole::plain(DVec2::new(36.0, 4.0), 4.2),
             Hole::plain(DVec2::new(-35.5, -3.0), 3.2),

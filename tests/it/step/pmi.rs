@@ -37,7 +37,8 @@ fn face_of(file: &File, feature: u32) -> String {
     let [usage] = found[..] else { panic!("{found:?}") };
     let face = file.get(usage, USAGE)[4].id();
     let Value::Text(name) = &file.get(face, "ADVANCED_FACE")[0] else { panic!("no name") };
-    name.clone()
+    // (Words on a hole come after its number.)
+    name.split(' ').next().unwrap().to_owned()
 }
 
 /// Letters of the datums and names of their faces, and the features that the tolerance is of.

@@ -1,10 +1,11 @@
 //! STEP files read by the program's own reader: closed, as large as the part, and the mirror's surface along every ray.
 
-use super::{Case, all, fitted, volume, written};
+use super::cases::stock;
+use super::{Case, all, edge_mm3, fitted, volume, written};
 use crate::support::{share, shipped};
 use morion::internals::brep::{Body, StepError};
 use morion::internals::design::design;
-use morion::internals::geom::{DVec2, Ray};
+use morion::internals::geom::{Border, Contour, DVec2, Ray};
 
 /// Share of the volume by which splines may be off: they follow mirrors within 1e-6 mm over some 10 mm of height.
 const VOLUME: f64 = 1e-7;
@@ -22,6 +23,26 @@ fn bodies_are_closed_as_large_as_the_part_and_met_by_rays_where_the_mirror_is() 
         assert_eq!((facts.uncertainty_mm, facts.unit_mm), (1e-7, 1.0), "{}", case.name);
         let met = meet(&case, &body, fit.error_mm + 1e-9);
         assert!(met > 200, "{}: {met}", case.name);
+    }
+}
+
+/// Around a circle, a rectangle with mitres and with cones, and one whose ends are half circles.
+#[test]
+fn bodies_with_chamfered_edges_have_the_volume_of_their_closed_form() {
+    let mirror = design(&shipped("plane")).unwrap().mirror;
+    let rect = |corner_mm| Contour::Rect { half: DVec2::new(44.0, 40.0), corner_mm };
+    for contour in [Contour::Circle { radius_mm: 44.0 }, rect(0.0), rect(6.0), rect(40.0)] {
+        let stock = Border { edge_chamfer_mm: 0.75, ..stock(contour) };
+        let chamfers = 2.0 * edge_mm3(&stock);
+        let (name, mirror) = (format!("{contour:?}"), mirror.clone());
+        let case = Case { name, mirror, stock: Some(stock), blind: Vec::new() };
+        let body = Body::read(&written(&case, &fitted(&case)));
+        let body = body.unwrap_or_else(|error| panic!("{contour:?}: {error}"));
+        let (facts, exact) = (body.facts(), volume(&case));
+        let off = facts.volume_mm3 / exact - 1.0;
+        println!("{contour:?}: off by {off:e}");
+        assert!(off.abs() < VOLUME, "{contour:?}: {off:e} {facts:?}");
+        assert!(chamfers > 1e4 * VOLUME * exact, "{contour:?}: {chamfers}");
     }
 }
 

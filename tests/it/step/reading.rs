@@ -246,7 +246,8 @@ impl File {
         match word.as_str() {
             "PLANE" => {
                 let (at, normal) = self.placement(a[1].id());
-                Surface::Plane { at, normal }
+                // (Directions are ratios.)
+                Surface::Plane { at, normal: normal.normalize() }
             }
             "CYLINDRICAL_SURFACE" => {
                 let (at, axis) = self.placement(a[1].id());

@@ -84,7 +84,7 @@ pub struct Travelled {
 }
 
 /// Whether a face that lies about evenly around its middle is on an edge's left. That between two
-/// closed edges lies towards the other; a seam has it on both sides.
+/// closed edges lies towards the other, one of four edges towards that opposite; a seam has it on both sides.
 pub fn keeps_left(rim: &[Travelled], edge: usize) -> bool {
     let is_seam = |id: u32| rim.iter().filter(|other| other.id == id).count() == 2;
     let Travelled { id, left, upright, places } = &rim[edge];
@@ -101,7 +101,9 @@ pub fn keeps_left(rim: &[Travelled], edge: usize) -> bool {
         .and_then(|other| {
             other.places.iter().min_by(|a, b| (**a - p).length().total_cmp(&(**b - p).length()))
         });
+    let opposite = (rim.len() == 4).then(|| rim[(edge + 2) % 4].places[26]);
+    let towards = towards.copied().or(opposite).unwrap_or(middle);
     // Waves of a face that is not upright do not count.
     let counts = if *upright { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
-    left.dot((*towards.unwrap_or(&middle) - p) * counts) > 0.0
+    left.dot((towards - p) * counts) > 0.0
 }

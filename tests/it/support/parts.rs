@@ -49,14 +49,14 @@ export.formats = [\"stl\", \"obj\"]
 ";
 
 pub const PLAIN: &str = "width_mm = 60, base_mm = 12, border_mm = 8";
-pub const ROUNDED: &str =
-    "width_mm = 60, base_mm = 12, border_mm = 8, corner_radius_mm = 6, rim_mm = 3";
+pub const ROUNDED: &str = "width_mm = 60, base_mm = 12, border_mm = 8, corner_radius_mm = 6, rim_mm = 3, \
+    edge_chamfer_mm = 0.75";
 /// Four holes and three marks beside a rectangle 60 mm wide.
 pub const SIDES: &str = "width_mm = 60, base_mm = 12, border_mm = 9, corner_radius_mm = 4, rim_mm = 3.1, \
     holes_mm = [[34.5, 3, 3.3], [-34.5, 5, 3.3], [-34.5, -4, 4], [34.5, -4, 5.5]], \
     marks_mm = [[34.5, 7, 1], [-34.5, 9, 1.5], [-34.5, 0, 0.7]]";
-/// The same around a circle.
-pub const AROUND: &str = "width_mm = 60, base_mm = 12, border_mm = 9, rim_mm = 3.1, \
+/// The same around a circle, with chamfered edges.
+pub const AROUND: &str = "width_mm = 60, base_mm = 12, border_mm = 9, rim_mm = 3.1, edge_chamfer_mm = 0.5, \
     holes_mm = [[34.5, 3, 3.3], [-34.5, 5, 3.3], [0, -35, 4], [0, 35, 5.5]], \
     marks_mm = [[24, 24, 1], [-24, 24, 1.5], [-24, -24, 0.7]]";
 
