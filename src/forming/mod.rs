@@ -11,9 +11,11 @@ mod face_limits;
 mod formed;
 mod parallel_surface;
 mod tool;
+mod tool_frame;
 mod volume;
 
 pub use face_limits::FormingFault;
 pub use formed::FormedFace;
 pub use parallel_surface::ParallelSurface;
 pub use tool::FormingTool;
+pub use tool_frame::ToolFrame;

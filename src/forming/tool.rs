@@ -1,20 +1,16 @@
 //! A forming tool's shape: its face, the foot of its walls, and what is around it.
 
 use super::face_limits::{FaceLimits, FormingFault};
-use super::parallel_surface::ParallelSurface;
+use super::tool_frame::ToolFrame;
 use super::volume::body_mm3;
 use crate::geom::{
     Border, Contour, DVec2, DVec3, FaceMesh, Outline, PartFeatures, PlanPolygon, Rect, TriMesh,
 };
-use crate::mirror::{LocalSurface, Mirror};
-use crate::num::{radians, tan};
+use crate::mirror::Mirror;
 use crate::parallel;
 use crate::profile::{BorderSpec, FormingSpec, ToolForm};
+use std::ops::Deref;
 
-/// Steps along each side of the outline, which is curved under a pinhole: finer than a mesh's.
-pub(super) const STEPS: usize = 1024;
-/// A corner of the outline, as a share of half its width: above what rounding to single precision moves a vertex by.
-const CORNER: f64 = 1e-5;
 /// Sizes of a tool are whole micrometres.
 const PER_MM: f64 = 1e3;
 /// What rounding may leave of a whole number of micrometres.
@@ -25,13 +21,11 @@ const CHUNK: usize = 4096;
 /// A mould or a mandrel: lengths in mm of its own frame, unless said otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormingTool {
-    /// What is asked.
-    pub spec: FormingSpec,
+    /// Its frame.
+    frame: ToolFrame,
     /// The outline of the foot of its walls.
     pub foot: PlanPolygon,
-    /// Z of the plane in which the walls end.
-    pub flange_mm: f64,
-    /// The material around it, of which the flat top is that plane; none of a mandrel without a flat rim.
+    /// The material around it, of which the flat top is the plane of the foot; none of a mandrel without a flat rim.
     pub border: Option<Border>,
     /// Length along each axis.
     pub size_mm: [f64; 3],
@@ -43,10 +37,16 @@ pub struct FormingTool {
     pub most_stretch: f64,
     /// Radius of the fan of facets inside a ring, and least and largest Z of its rim.
     land: Option<(f64, [f64; 2])>,
-    /// Z of the foot in the part's frame.
-    foot_mm: f64,
     /// Least and largest Z of its face in the part's frame.
     heights_mm: [f64; 2],
+}
+
+impl Deref for FormingTool {
+    type Target = ToolFrame;
+
+    fn deref(&self) -> &ToolFrame {
+        &self.frame
+    }
 }
 
 impl FormingTool {
@@ -74,22 +74,19 @@ impl FormingTool {
             ToolForm::Mandrel => foot_mm,
             ToolForm::Mould => tall + spec.back_mm,
         };
-        let mut tool = Self {
-            spec,
-            foot: PlanPolygon(Vec::new()),
-            flange_mm,
+        let frame = ToolFrame { spec, flange_mm, foot_mm };
+        let rim = frame.rim(mirror, 0).into_iter();
+        let tool = Self {
+            frame,
+            foot: PlanPolygon(rim.map(|(q, p)| frame.foot_below(mirror, q, p)).collect()),
             border: None,
             size_mm: [0.0; 3],
             volume_mm3: 0.0,
             least_stretch: limits.least_stretch,
             most_stretch: limits.most_stretch,
-            land: None,
-            foot_mm,
+            land: land(&frame.rim(mirror, 1)),
             heights_mm: limits.heights_mm,
         };
-        tool.land = land(&rim_in_tool(&tool, mirror, 1));
-        let rim = rim_in_tool(&tool, mirror, 0).into_iter();
-        tool.foot = PlanPolygon(rim.map(|(q, p)| tool.foot_below(mirror, q, p)).collect());
         Ok(tool.with_border(mirror, None))
     }
 
@@ -103,7 +100,7 @@ impl FormingTool {
             None => self.foot.bounds().size(),
         };
         self.size_mm = size.extend(self.height_mm()).to_array();
-        self.volume_mm3 = body_mm3(&self, mirror);
+        self.volume_mm3 = body_mm3(&self.frame, self.border.as_ref(), mirror);
         self
     }
 
@@ -114,12 +111,6 @@ impl FormingTool {
         /// Vertices inside leave a thousandth, those on a round rim up to a tenth.
         const SHARE: f64 = 0.9;
         SHARE / self.most_stretch.max(1.0)
-    }
-
-    /// The surface of its face in the part's frame.
-    #[must_use]
-    pub fn surface<'m>(&self, mirror: &'m Mirror) -> ParallelSurface<'m> {
-        ParallelSurface { mirror, offset_mm: self.spec.offset_mm() }
     }
 
     /// What its body has around its face.
@@ -142,64 +133,6 @@ impl FormingTool {
                 Outline::Ring { inner: 0.0, outer }
             }
         }
-    }
-
-    /// Its Z for a point of the part's frame, and its X and Y: larger by the growth, and of a mould turned about X.
-    #[must_use]
-    pub fn from_part(&self, p: DVec3) -> DVec3 {
-        let p = self.spec.growth() * (p - DVec3::Z * self.foot_mm);
-        self.turned(p) + DVec3::Z * self.flange_mm
-    }
-
-    /// The inverse of [`Self::from_part`].
-    #[must_use]
-    pub fn to_part(&self, v: DVec3) -> DVec3 {
-        let p = self.turned(v - DVec3::Z * self.flange_mm);
-        p / self.spec.growth() + DVec3::Z * self.foot_mm
-    }
-
-    /// The unit normal out of its material where the mirror beside its face has the unit normal `normal`.
-    #[must_use]
-    pub fn outward(&self, normal: DVec3) -> DVec3 {
-        let turned = self.turned(normal);
-        if self.is_hollow() { -turned } else { turned }
-    }
-
-    /// A mould is turned by half a turn about X.
-    fn turned(&self, p: DVec3) -> DVec3 {
-        match self.spec.form {
-            ToolForm::Mandrel => p,
-            ToolForm::Mould => DVec3::new(p.x, -p.y, -p.z),
-        }
-    }
-
-    /// Whether its face is below the plane of its foot.
-    #[must_use]
-    pub fn is_hollow(&self) -> bool {
-        self.spec.form == ToolForm::Mould
-    }
-
-    /// The foot of the walls below the place `p` of the face's edge, which is beside `q` in image coordinates of `mirror`:
-    /// outwards by the draft, square to the sides of a rectangle, and to both at its corners.
-    #[must_use]
-    pub fn foot_below(&self, mirror: &Mirror, q: DVec2, p: DVec3) -> DVec2 {
-        let way = match mirror.full_outline() {
-            Outline::Ring { .. } => q.try_normalize().unwrap_or(DVec2::X),
-            Outline::Rect(outline) => {
-                let share = 2.0 * (q - outline.centre()) / outline.size();
-                let far = share.abs().max_element();
-                let on_side = |s: f64| if s.abs() >= far - CORNER { s.signum() } else { s / far };
-                DVec2::new(on_side(share.x), on_side(share.y))
-            }
-        };
-        let out = self.slant() * (p.z - self.flange_mm).abs();
-        p.truncate() + out * self.turned(way.extend(0.0)).truncate()
-    }
-
-    /// Tangent of the draft.
-    #[must_use]
-    pub fn slant(&self) -> f64 {
-        tan(radians(self.spec.draft_deg))
     }
 
     /// Its face from that of the mirror: vertices beside the mirror, and the foot below each of them.
@@ -283,17 +216,4 @@ fn land(rim: &[(DVec2, DVec3)]) -> Option<(f64, [f64; 2])> {
 /// The least whole number of micrometres that is no less, mm.
 fn rounded_up(mm: f64) -> f64 {
     (mm * PER_MM - ROUNDED).ceil() / PER_MM
-}
-
-/// The rim of a tool's face in its frame, as places of the mirror: the outer one, or the inner one of a ring.
-pub(super) fn rim_in_tool(
-    tool: &FormingTool,
-    mirror: &Mirror,
-    number: usize,
-) -> Vec<(DVec2, DVec3)> {
-    let surface = tool.surface(mirror);
-    let at = |place: LocalSurface| tool.from_part(surface.beside(&place));
-    let rims = mirror.full_outline().rims(STEPS);
-    let rim = rims.into_iter().nth(number).unwrap_or_default();
-    rim.into_iter().map(|q| (q, at(mirror.extended_surface(q)))).collect()
 }

@@ -234,6 +234,33 @@ mod tests {
         assert_eq!(faults(str::to_owned), []);
     }
 
+    /// Between the places where its error was measured this spline is a hundredth farther off.
+    #[test]
+    fn a_spline_keeps_its_promise_between_the_places_of_the_fit() {
+        let text = "
+            camera.orthographic.pixels = [13, 20]
+            mount = { fold_deg = -22.1, towards_deg = 2.216 }
+            projection.perspective = { hfov_deg = 27.03, target_radius_mm = 21.61 }
+            layout.rectangle = {}
+            method.fixed-surface = { degree = 8, minimax = false }
+            part = { width_mm = 3.265, base_mm = 0.3915, border_mm = 1.221, corner_radius_mm = 0.3716 }
+            mesh = { chord_um = 1.109, facet_px = 1.408 }
+            export.formats = [\"step\"]
+        ";
+        let profile = Profile::parse("narrow", "narrow.toml", text.as_bytes()).unwrap();
+        let design = design(&profile).unwrap();
+        let export = StepExport::new(&profile, &design).unwrap();
+        let mut bytes = Vec::new();
+        export.write(&mut bytes, &labelled(&design, String::new())).unwrap();
+        let CadFindings { faults, figures, .. } = export.check(&bytes);
+        assert_eq!(faults, []);
+        let Some(CadFigures::Step(StepFacts { fit_error_nm, body: Some(body), .. })) = figures
+        else {
+            panic!("no figures")
+        };
+        assert!(body.surface_error_nm > fit_error_nm + 1e6 * ROUNDING_MM, "{body:?}");
+    }
+
     #[test]
     fn a_control_point_moved_by_ten_nanometres_is_off_the_design() {
         let off = faults(|text| {

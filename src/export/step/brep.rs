@@ -3,12 +3,13 @@
 use super::b_spline::{BSplineSurface, KnotVector};
 use super::border::write_border;
 use super::face_role::FaceRole;
-use super::fit::{FittedFaces, FittedMirror, WallFoot};
+use super::fit::{FittedFaces, FittedMirror};
 use super::hole::write_hole;
 use super::panels::{WrittenSurface, write_panels};
 use super::part21::{DataSection, InstanceId, list};
 use super::rim_curve::RimCurve;
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
+use super::wall_foot::WallFoot;
 use crate::geom::{DVec2, DVec3, NumberedHole, PartFeatures};
 
 /// Writes the body with its features; its number.

@@ -6,6 +6,7 @@ use super::knots::{KnotLines, MOST_SPANS, choose_breaks, written_digits};
 use super::panelled::FittedPanels;
 use super::parametric_surface::ParametricSurface;
 use super::rim_curve::RimCurve;
+use super::wall_foot::WallFoot;
 use crate::geom::{Border, DVec2, DVec3};
 use crate::mirror::{Mirror, Surface};
 use crate::num::{max_or_nan, radians};
@@ -27,16 +28,6 @@ pub struct FittedMirror {
     /// four times as dense as the one that they were fitted to, and along a round rim.
     pub error_mm: f64,
     pub(super) foot: WallFoot,
-}
-
-/// Where the walls below a fitted mirror end, seen from above.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum WallFoot {
-    /// Straight below.
-    Below,
-    /// Outwards by so many mm for each mm from the plane of the foot: square to the sides of a rectangle, and to both at its
-    /// corners, or along the radius.
-    Drafted(f64),
 }
 
 /// The faces of a fitted mirror.

@@ -2,9 +2,10 @@
 
 use super::FitError;
 use super::b_spline::BSplineSurface;
-use super::fit::{FittedFaces, FittedMirror, WallFoot, fit_bicubic, fit_revolved};
+use super::fit::{FittedFaces, FittedMirror, fit_bicubic, fit_revolved};
 use super::knots::written_digits;
 use super::parametric_surface::ParametricSurface;
+use super::wall_foot::WallFoot;
 use crate::forming::FormingTool;
 use crate::geom::DVec3;
 use crate::mirror::Mirror;

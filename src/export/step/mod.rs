@@ -28,6 +28,7 @@ mod part21;
 mod pmi;
 mod rim_curve;
 mod topology;
+mod wall_foot;
 
 pub use fit::{FittedMirror, fit_splines};
 pub use fit_tool::fit_tool;

@@ -2,9 +2,9 @@
 
 use super::b_spline::{BSplineSurface, KnotVector};
 use super::face_role::FaceRole;
-use super::fit::WallFoot;
 use super::part21::{DataSection, InstanceId};
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge};
+use super::wall_foot::WallFoot;
 use crate::geom::{DVec2, DVec3};
 
 /// A B-spline surface that is written.
