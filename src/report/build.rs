@@ -58,13 +58,21 @@ impl BuildReport {
         page.figures(figures.on_page(
             &self.trace,
             self.sharpness.as_ref(),
-            self.layout.as_ref(),
+            &self.made(),
             self.design.least_error.as_ref(),
         )?);
         page.files(&self.files);
         page.folded_facts("All figures, and what each means", &self.page_rows());
         page.links("report.html", profile);
         Ok(page.finish())
+    }
+
+    /// What files hold, and its size, in words.
+    fn made(&self) -> String {
+        match &self.tool {
+            Some(tool) => tool.made(),
+            None => format!("part, {}", self.layout.map_or(String::new(), |layout| layout.size())),
+        }
     }
 
     /// What the verdict rests on, in three numbers.

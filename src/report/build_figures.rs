@@ -2,7 +2,7 @@
 
 use super::least_error::least_error_sentence;
 use super::page::{Figure, image, map_figure, part_figure, sections_figure, side_view_figure};
-use crate::design::{LeastError, Mounting};
+use crate::design::LeastError;
 use crate::profile::CadFormat;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::render::{PartSection, SideView};
@@ -44,13 +44,12 @@ impl BuildFigures<'_> {
         &self,
         traces: &[TraceFacts],
         sharpness: Option<&SharpnessFacts>,
-        layout: Option<&Mounting>,
+        made: &str,
         least: Option<&LeastError>,
     ) -> Result<Vec<Figure>, EncodingError> {
         let mut figures = Vec::new();
-        let size = layout.map_or(String::new(), Mounting::size);
         if let Some(part) = &self.part {
-            figures.push(part_figure(&part.glb, &part.still, &size));
+            figures.push(part_figure(&part.glb, &part.still, made));
         }
         let has_mesh = traces.iter().any(|trace| trace.file != CadFormat::Step.file_name());
         figures.push(preview(self.preview, has_mesh));

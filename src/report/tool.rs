@@ -6,15 +6,13 @@ use crate::results::{ToolFacts, three_digits};
 
 impl ToRows for ToolFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let [x, y, z] = self.size_mm;
-        let name = self.form.name();
         let base = match self.form {
             ToolForm::Mould => {
                 "its base at Z = 0, its cavity open to +Z, turned about X by half a turn"
             }
             ToolForm::Mandrel => "its base at Z = 0",
         };
-        rows.add(name, format!("{x:.2} x {y:.2} x {z:.2} mm, {base}"));
+        rows.add(self.form.name(), format!("{}, {base}", self.size()));
         rows.add("forms", self.sheet());
         let [foot_x, foot_y] = self.foot_mm;
         let walls = format!(
@@ -28,6 +26,16 @@ impl ToRows for ToolFacts {
 }
 
 impl ToolFacts {
+    /// Its name and size in words.
+    pub(super) fn made(&self) -> String {
+        format!("{}, {}", self.form.name(), self.size())
+    }
+
+    fn size(&self) -> String {
+        let [x, y, z] = self.size_mm;
+        format!("{x:.2} x {y:.2} x {z:.2} mm")
+    }
+
     /// What is formed on it, and where its face is.
     fn sheet(&self) -> String {
         let face = match self.offset_mm {

@@ -9,8 +9,8 @@ pub(crate) const THREE: &str = include_str!("assets/three/three.min.js");
 /// The viewer.
 pub(crate) const VIEWER: &str = include_str!("assets/viewer.js");
 
-/// The part of `glb`, a file in that format, to be turned; `still` is a PNG of it.
-pub(in crate::report) fn part_figure(glb: &[u8], still: &[u8], size: &str) -> Figure {
+/// What `glb`, a file in that format, has, to be turned; `still` is a PNG of it, and `made` its name and size in words.
+pub(in crate::report) fn part_figure(glb: &[u8], still: &[u8], made: &str) -> Figure {
     let still =
         image(still, "still", "The part seen from above and to the right of the picture's foot");
     let glb = BASE64_STANDARD.encode(glb);
@@ -20,7 +20,7 @@ pub(in crate::report) fn part_figure(glb: &[u8], still: &[u8], size: &str) -> Fi
          <script>/*! three.js, (c) three.js authors, MIT licence */\n{THREE}</script>\n<script>\n{VIEWER}</script>"
     );
     let caption = format!(
-        "The part, {size}. Drag, or use the arrow keys, to turn it; wheel, pinch, + and - bring it nearer or \
+        "The {made}. Drag, or use the arrow keys, to turn it; wheel, pinch, + and - bring it nearer or \
          farther; Home brings it back. Drawn with fewer facets than the files have."
     );
     Figure { title: "Part".into(), body, caption }
