@@ -151,11 +151,13 @@ fn tools_of_every_layout_pass_in_every_format() {
         (PINHOLE, "sheet_mm = 1.5, mirror_side = \"free\""),
         (GIVEN, "sheet_mm = 1.5, mirror_side = \"free\", draft_deg = 30"),
     ] {
-        // The design's error is most of the picture's.
-        let base = &base.replace("facet_px = 6", "facet_px = 1");
         let layout = if base == GIVEN { "layout.disc = {}\n" } else { "" };
-        // A round mirror that is not round has no spline of a tool.
-        let formats = if base == GIVEN { "[\"stl\", \"obj\", \"glb\"]" } else { FORMATS.1 };
+        let formats = match base {
+            // A round outline with a mirror that is not round has no spline of a tool.
+            GIVEN => "[\"stl\", \"obj\", \"glb\"]",
+            ANNULUS | CONQUISTADOR => FORMATS.1,
+            _ => "[\"stl\", \"step\"]",
+        };
         for form in ["mould", "mandrel"] {
             let text = format!("{base}{layout}{}forming = {{ {forming} }}\n", part(form));
             let source = unlimited(parsed(&text.replace(FORMATS.0, formats)));
