@@ -1,14 +1,17 @@
 //! What is formed on a tool: the mirror's facets, from those of a file of the tool.
 
 use super::tool::FormingTool;
-use crate::geom::{DVec3, Outline, TriMesh};
+use crate::geom::{DVec3, TriMesh};
 use crate::mirror::Mirror;
 use crate::parallel;
-use std::collections::{BTreeMap, HashMap};
+use crate::solid::open_edges;
+use std::collections::BTreeMap;
 
 /// Distance from a tool's face within which vertices are of it, as a share of the mirror's size: far above what
 /// facets are off, and far below the height of walls.
 const NEAR: f64 = 1e-3;
+/// What rounding to single precision takes a vertex off the face by, as a share of the mirror's size.
+const ROUNDED: f64 = 1e-6;
 /// How far beyond the outline rounding and a file's digits take a vertex, as a share of the mirror's size.
 const BEYOND: f64 = 1e-4;
 /// By how much of their facets' size vertices on the edge are moved outwards, in the facets' planes: more than the normals
@@ -68,22 +71,20 @@ struct VertexLook {
 
 fn look(tool: &FormingTool, mirror: &Mirror, v: DVec3) -> VertexLook {
     let (p, surface) = (tool.to_part(v), tool.surface(mirror));
-    let size = mirror.full_outline().bounds().size().max_element();
-    let around = tool.distance_around(v);
-    let beside = VertexLook { is_on_face: false, off_mm: around };
-    let Some(place) = surface.place_over(p.truncate()) else { return beside };
-    let (q, _) = mirror.chart.coordinates(place.at);
-    let is_within = match mirror.full_outline() {
-        Outline::Rect(rect) => (q - q.clamp(rect.min, rect.max)).length() <= BEYOND * size,
-        Outline::Ring { inner, outer } => {
-            (inner - BEYOND * size..=outer + BEYOND * size).contains(&q.length())
-        }
+    let outline = mirror.full_outline();
+    let size = outline.bounds().size().max_element();
+    let from_face = surface.place_over(p.truncate()).and_then(|place| {
+        let (q, _) = mirror.chart.coordinates(place.at);
+        let off_mm = (p.z - surface.beside(&place).z).abs() * place.normal().z;
+        let is_near = outline.distance_outside(q) <= BEYOND * size && off_mm <= NEAR * size;
+        is_near.then_some(off_mm)
+    });
+    // Most vertices are on the face, and there nothing else is asked.
+    let off_mm = match from_face {
+        Some(off_mm) if off_mm <= ROUNDED * size => off_mm,
+        _ => from_face.unwrap_or(f64::INFINITY).min(tool.distance_around(v)),
     };
-    let off_mm = (p.z - surface.beside(&place).z).abs() * place.normal().z;
-    if is_within && off_mm <= NEAR * size {
-        return VertexLook { is_on_face: true, off_mm: off_mm.min(around) };
-    }
-    beside
+    VertexLook { is_on_face: from_face.is_some(), off_mm }
 }
 
 /// Moves the vertices by `through_mm` along the normals of the facets around them; the edge is widened.
@@ -151,13 +152,7 @@ fn vertex_normals(mesh: &TriMesh) -> Vec<DVec3> {
 
 /// The vertices on the edge of a mesh with these normals, by their numbers.
 fn edge_vertices(mesh: &TriMesh, normals: &[DVec3]) -> BTreeMap<u32, EdgeVertex> {
-    let mut edges: HashMap<[u32; 2], u32> = HashMap::new();
-    for &[a, b, c] in &mesh.triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            *edges.entry([from.min(to), from.max(to)]).or_default() += 1;
-        }
-    }
-    let open = edges.into_iter().filter(|(_, count)| *count == 1).flat_map(|(edge, _)| edge);
+    let open = open_edges(mesh).into_iter().flat_map(|(from, to)| [from, to]);
     let mut all: BTreeMap<u32, EdgeVertex> =
         open.map(|vertex| (vertex, EdgeVertex::default())).collect();
     for (t, corners) in mesh.triangles.iter().enumerate() {

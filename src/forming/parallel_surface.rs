@@ -1,7 +1,7 @@
 //! The surface everywhere beside a mirror by the same distance.
 
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::{Hessian, LocalSurface, Mirror};
+use crate::mirror::{Hessian, LocalSurface, Mirror, PlanJacobian};
 
 /// Steps of Newton's method for the place of a mirror beside a point.
 const MOST_STEPS: usize = 32;
@@ -30,12 +30,15 @@ impl ParallelSurface<'_> {
     /// Derivatives of X and of Y of that point by X and by Y of the place: I + d dn/d(X, Y), with
     /// n = -p / g for the slope p and g = sqrt(1 + p p).
     #[must_use]
-    pub fn plan_jacobian(&self, place: &LocalSurface) -> [DVec2; 2] {
+    pub fn plan_jacobian(&self, place: &LocalSurface) -> PlanJacobian {
         let (g, p) = (place.stretch(), place.slope);
         let Hessian { xx, xy, yy } = place.hessian;
         let turn = place.hessian.times(p) / (g * g);
         let by = |row: DVec2, p: f64| -self.offset_mm / g * (row - p * turn);
-        [DVec2::X + by(DVec2::new(xx, xy), p.x), DVec2::Y + by(DVec2::new(xy, yy), p.y)]
+        PlanJacobian {
+            x: DVec2::X + by(DVec2::new(xx, xy), p.x),
+            y: DVec2::Y + by(DVec2::new(xy, yy), p.y),
+        }
     }
 
     /// The place of the mirror beside which the surface has X and Y `xy`, on the mirror or on what goes on beyond its
@@ -50,9 +53,7 @@ impl ParallelSurface<'_> {
             if off.length() <= CLOSE * size {
                 return Some(place);
             }
-            let [x, y] = self.plan_jacobian(&place);
-            let det = x.perp_dot(y);
-            at += DVec2::new(off.x * y.y - off.y * x.y, off.y * x.x - off.x * y.x) / det;
+            at += self.plan_jacobian(&place).step(off);
             place = self.mirror.extended_surface_over(at)?;
         }
         None

@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::profile::{BorderSpec, FormingSpec, ToolForm};
 use std::ops::Deref;
 
-/// Sizes of a tool are whole micrometres.
+/// The height of a mould's cavity, and the remedy of a low face, are whole micrometres.
 const PER_MM: f64 = 1e3;
 /// What rounding may leave of a whole number of micrometres.
 const ROUNDED: f64 = 1e-6;
@@ -185,12 +185,15 @@ impl FormingTool {
     /// What facets of a mirror's mesh that are off by `chord_mm`, and chords of round rims and of circles, may change its
     /// volume by, mm^3.
     #[must_use]
-    pub fn volume_tolerance_mm3(&self, chord_mm: f64) -> f64 {
+    pub fn volume_tolerance_mm3(&self, mirror: &Mirror, chord_mm: f64) -> f64 {
         let foot = self.foot.bounds().area();
         let growth = self.spec.growth();
         let tall = growth * (self.heights_mm[1] - self.foot_mm);
-        // Chords that cut EDGE of a round rim's radius take 4/3 of that share of the disc.
-        let chords = 4.0 / 3.0 * Outline::EDGE * foot * (tall + chord_mm);
+        let chords = match mirror.outline {
+            Outline::Rect(_) => 0.0,
+            // Chords that cut EDGE of the radius take 4/3 of that share of the disc.
+            Outline::Ring { .. } => 4.0 / 3.0 * Outline::EDGE * foot * (tall + chord_mm),
+        };
         let faces = foot * chord_mm * self.most_stretch.max(1.0) * growth;
         faces + chords + self.features().chords_mm3()
     }

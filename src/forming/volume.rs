@@ -61,8 +61,8 @@ fn below_face_mm3(tool: &ToolFrame, mirror: &Mirror, foot_mm: f64) -> f64 {
     let places: Vec<(DVec2, f64)> = lines.concat();
     let heights = parallel::map_slice(&places, 64, |&(q, weight)| {
         let (place, jacobian) = mirror.extended_surface_and_jacobian(q);
-        let [x, y] = surface.plan_jacobian(&place);
-        let area = growth * growth * x.perp_dot(y) * jacobian.area();
+        let stretch = surface.plan_jacobian(&place).area();
+        let area = growth * growth * stretch * jacobian.area();
         let height = tool.from_part(surface.beside(&place)).z - foot_mm;
         weight * area * height
     });

@@ -16,17 +16,17 @@ pub struct LocalSurface {
     pub hessian: Hessian,
 }
 
-/// The Jacobian matrix of (X, Y) by the chart's coordinates at a point of a mirror.
+/// The Jacobian matrix of (X, Y) by coordinates of a mirror: the chart's, or X and Y themselves of a surface beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanJacobian {
     /// Derivatives of X.
-    x: DVec2,
+    pub x: DVec2,
     /// Derivatives of Y.
-    y: DVec2,
+    pub y: DVec2,
 }
 
 impl PlanJacobian {
-    /// Newton's step of the chart's coordinates for a motion `by` in X and Y, mm.
+    /// Newton's step of the coordinates for a motion `by` in X and Y, mm.
     #[must_use]
     pub fn step(&self, by: DVec2) -> DVec2 {
         let Self { x, y } = *self;
@@ -34,7 +34,7 @@ impl PlanJacobian {
             / x.perp_dot(y)
     }
 
-    /// Area of the plan over that of the chart's coordinates.
+    /// Area of the plan over that of the coordinates.
     #[must_use]
     pub fn area(&self) -> f64 {
         self.x.perp_dot(self.y)

@@ -328,7 +328,7 @@ fn report(
     let blurred = findings.sharpness.as_ref().and_then(SharpnessFacts::warning);
     warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
     let tool = design.tool.as_ref().map(ToolFacts::of);
-    let unseen = tool.as_ref().and_then(ToolFacts::warning);
+    let unseen = profile.part.forming.as_ref().and_then(ToolFacts::warning);
     warnings.extend(unseen.map(|warning| format!("{}: {warning}", profile.name)));
     let report = BuildReport {
         schema: SCHEMA,

@@ -211,6 +211,16 @@ pub enum Error {
         /// What it is.
         found: String,
     },
+    /// A STEP file of a forming tool is to be verified.
+    #[error(
+        "{path}: what is formed on a {form} is traced at facets alone; verify a mesh of it, or, with --align, what was formed"
+    )]
+    ToolStep {
+        /// The file.
+        path: String,
+        /// The tool.
+        form: &'static str,
+    },
     /// A file to be verified is of no known format.
     #[error(
         "{path}: the name must end in .step, .stp, .csv, .xyz, .txt, .asc, .ply, {}",

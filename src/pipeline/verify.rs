@@ -111,6 +111,10 @@ impl Command for Verify<'_> {
         if self.options.align || matches!(format, VerifiedFormat::Points(_)) {
             design = design.formed();
         }
+        if let (Some(tool), VerifiedFormat::Step) = (&design.tool, &format) {
+            let form = tool.spec.form.name();
+            return Err(Error::ToolStep { path: self.name(), form });
+        }
         if let VerifiedFormat::Points(format) = format {
             let VerifyOptions { units, probe_mm, .. } = self.options;
             let list = PointList { name: self.name(), format, units, probe_mm };

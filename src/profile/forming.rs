@@ -71,6 +71,17 @@ impl ToolForm {
     }
 }
 
+impl MirrorSide {
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tool => "tool",
+            Self::Free => "free",
+        }
+    }
+}
+
 impl FormingSpec {
     /// Usual draft, degrees: that of polished moulds for thermoforming and casting.
     pub const USUAL_DRAFT_DEG: f64 = 3.0;

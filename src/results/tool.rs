@@ -53,18 +53,14 @@ impl ToolFacts {
         }
     }
 
-    /// What no figure of the build counts, where there is something.
-    pub(crate) fn warning(&self) -> Option<String> {
-        let is_behind = self.sheet_mm > 0.0 && self.mirror_side != self.form.seen_side();
-        is_behind.then(|| {
+    /// What no figure of a build with this sheet counts, where there is something.
+    pub(crate) fn warning(sheet: &FormingSpec) -> Option<String> {
+        sheet.is_behind_sheet().then(|| {
             format!(
                 "the camera looks through the sheet of {} mm at its mirror, and what the sheet refracts is not counted; \
                  forming.mirror_side = \"{}\" mirrors on the side that it sees",
-                self.sheet_mm,
-                match self.form.seen_side() {
-                    MirrorSide::Tool => "tool",
-                    MirrorSide::Free => "free",
-                }
+                sheet.sheet_mm,
+                sheet.form.seen_side().name()
             )
         })
     }

@@ -60,7 +60,8 @@ pub fn check(mesh: &TriMesh) -> SolidCheck {
 }
 
 /// The directed edges without a partner, in the order of their facets.
-pub(super) fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
+#[must_use]
+pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
     let fans = VertexFans::new(mesh);
     let open = |&[a, b, c]: &[u32; 3]| {
         let edges = [(a, b), (b, c), (c, a)].into_iter();

@@ -5,7 +5,7 @@ mod check;
 mod defect;
 mod skirt;
 
-pub use check::check;
+pub use check::{check, open_edges};
 pub use defect::{Defect, OpenBoundary, SolidCheck};
 pub use skirt::Rim;
 

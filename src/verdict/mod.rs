@@ -123,7 +123,7 @@ pub(crate) fn unfilled(frame: &FrameFill, least: LeastFilled) -> Option<PictureF
 /// volume, mm^3.
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
     if let Some(tool) = &design.tool {
-        return tool.volume_tolerance_mm3(chord_mm);
+        return tool.volume_tolerance_mm3(&design.mirror, chord_mm);
     }
     let outline = design.mirror.full_outline();
     let faces = outline.area() * chord_mm + design.features().chords_mm3();

@@ -7,6 +7,7 @@ use crate::support::{designed, meshed, unlimited, with_limits};
 use morion::internals::design::{DesignError, design};
 use morion::internals::forming::{FormedFace, FormingFault, FormingTool, ParallelSurface};
 use morion::internals::geom::{DVec2, DVec3, Precision};
+use morion::internals::mirror::PlanJacobian;
 use morion::internals::num::{radians, tan};
 use morion::internals::pipeline::{
     Command, DrawingOptions, MachiningOptions, Silent, build, verify,
@@ -204,7 +205,7 @@ fn places_beside_a_parallel_surface_are_found_again() {
                     let q = design.mirror.extended_surface_over(place.at.truncate() + by).unwrap();
                     surface.beside(&q).truncate()
                 };
-                let [x, y] = surface.plan_jacobian(&place);
+                let PlanJacobian { x, y } = surface.plan_jacobian(&place);
                 let by_x = (moved(DVec2::X * step) - moved(DVec2::NEG_X * step)) / (2.0 * step);
                 let by_y = (moved(DVec2::Y * step) - moved(DVec2::NEG_Y * step)) / (2.0 * step);
                 let off = [x.x - by_x.x, x.y - by_y.x, y.x - by_x.y, y.y - by_y.y];
@@ -267,6 +268,17 @@ fn a_vertex_off_the_face_of_a_tool_fails() {
     let report = verify(&source, &path, &Silent).unwrap();
     let off = |reason: &Reason| matches!(&reason.kind, ReasonKind::Shape(ShapeFault::OffSurface { off_mm, .. }) if (0.011..0.03).contains(off_mm));
     assert!(report.reasons.iter().any(off), "{:?}", report.reasons);
+}
+
+/// Rays would meet the tool and not what is formed on it.
+#[test]
+fn a_step_file_of_a_tool_is_not_traced_as_a_mirror() {
+    let text = format!("{STRIP}{}", part("mandrel")).replace(FORMATS.0, "[\"step\"]");
+    let (source, folder) = (unlimited(parsed(&text)), folder());
+    assert_eq!(build(&source, folder.path(), &Silent).unwrap().verdict, Verdict::Pass);
+    let path = folder.path().join("small/mirror.step");
+    let error = verify(&source, &path, &Silent).unwrap_err().to_string();
+    assert!(error.contains("formed on a mandrel is traced at facets alone"), "{error}");
 }
 
 /// What does not go with a tool is refused by name.
