@@ -7,6 +7,7 @@ mod blind_holes;
 mod border;
 mod broyden;
 mod cause;
+mod cavity;
 mod conic;
 mod faceted_target;
 mod facts;
@@ -33,6 +34,7 @@ mod tool;
 mod visibility;
 
 pub use cause::{FailureCause, FitStage, LocalFailure};
+pub use cavity::Cavity;
 pub use facts::{CurlFacts, DesignFacts, DividingLineFacts, MapFacts};
 pub use least_curl_law::LeastCurlError;
 pub use least_error::{LeastError, SQUARE, WorstPart, own_errors_px};
@@ -66,6 +68,8 @@ pub struct Design {
     pub border: Option<Border>,
     /// Holes from the base that end below the mirror or the border, each of them with the material above it that it needs.
     pub blind_holes: Vec<BlindHole>,
+    /// The room inside a hollow part.
+    pub cavity: Option<Cavity>,
     /// The tool that is made in the part's place, on which a piece with the mirror alone is formed; none for the part
     /// itself.
     pub tool: Option<FormingTool>,
@@ -79,7 +83,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// Volume of the part, mm^3, with true circles where a mesh has polygons.
+    /// Volume of the part without its cavity, mm^3, with true circles where a mesh has polygons.
     #[must_use]
     pub fn volume(&self) -> f64 {
         let volume = |border: &Border| border.volume(self.mirror.footprint(border.top_mm));
@@ -133,12 +137,16 @@ impl Design {
         LeastError::of(&self.mirror, &self.camera, self.view.as_ref()?)
     }
 
-    /// Border, blind holes and volume, mm^3, of the body that files hold: the tool's, or the part's.
+    /// Border, holes, a cavity's floor and volume, mm^3, of the body that files hold: the tool's, or the part's.
     #[must_use]
     pub fn made_body(&self) -> (PartFeatures<'_>, f64) {
         match &self.tool {
             Some(tool) => (tool.features(), tool.volume_mm3),
-            None => (self.features(), self.volume()),
+            None => {
+                let hollow_mm3 = self.cavity.as_ref().map_or(0.0, |cavity| cavity.volume_mm3);
+                let floor = self.cavity.as_ref().map(|cavity| &cavity.floor);
+                (PartFeatures { floor, ..self.features() }, self.volume() - hollow_mm3)
+            }
         }
     }
 
@@ -151,7 +159,8 @@ impl Design {
     /// Border and blind holes of the part.
     #[must_use]
     pub fn features(&self) -> PartFeatures<'_> {
-        PartFeatures { border: self.border.as_ref(), blind_holes: &self.blind_holes }
+        let (border, blind_holes) = (self.border.as_ref(), &self.blind_holes[..]);
+        PartFeatures { border, blind_holes, floor: None }
     }
 
     /// Number of holes through the part.
@@ -388,6 +397,8 @@ fn place_on_base(
         Some(_) => Vec::new(),
         None => blind_holes::below(profile, &mirror, border.as_ref(), top_mm)?,
     };
+    let has_land_holes = border.as_ref().is_some_and(|border| border.land.is_some());
+    let cavity = cavity::below(profile, &mirror, &blind_holes, has_land_holes)?;
     let mounting = Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), top_mm);
     let obstacles = obstacles::placed(profile, &camera, &mounting);
     let profile = Arc::new(profile.clone());
@@ -398,6 +409,7 @@ fn place_on_base(
         camera,
         border,
         blind_holes,
+        cavity,
         tool,
         mounting,
         obstacles,

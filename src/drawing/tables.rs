@@ -69,7 +69,11 @@ pub(super) fn draw_tables(sheet: &mut Sheet, facts: &DrawingFacts, area: &Area) 
     if facts.features.is_empty() {
         return;
     }
-    let top = title(sheet, [area.left, below], "Holes (H) and marks (M), mm");
+    let words = match facts.shell_mm {
+        Some(_) => "Holes (H), marks (M) and drains (D), mm",
+        None => "Holes (H) and marks (M), mm",
+    };
+    let top = title(sheet, [area.left, below], words);
     let fitting = (((top - area.low) / ROW).floor() as usize).saturating_sub(1).max(1);
     let row = |feature: &DrawnFeature| {
         let [x, y] = feature.at_mm.map(mm);
@@ -158,6 +162,12 @@ pub(super) fn draw_notes(sheet: &mut Sheet, facts: &DrawingFacts, spec: &Drawing
             facts.inspection_points
         ),
     ];
+    if let Some(shell_mm) = facts.shell_mm {
+        notes.push(format!(
+            "Hollow: base, walls and mirror {} mm or more around the cavity.",
+            mm(shell_mm)
+        ));
+    }
     if !spec.general_tolerance.is_empty() {
         notes.push(format!("Sizes without a tolerance: {}.", spec.general_tolerance));
     }

@@ -5,6 +5,7 @@
 
 mod bicubic_spline;
 mod border;
+mod cavity_floor;
 mod chart;
 mod circle_polygon;
 mod contour;
@@ -28,6 +29,7 @@ mod xyz_lines;
 
 pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, LEAST_KNOTS};
 pub use border::{Border, Drilled, Land};
+pub use cavity_floor::CavityFloor;
 pub use chart::Chart;
 pub use circle_polygon::CHORD_MM;
 pub use contour::Contour;

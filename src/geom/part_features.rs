@@ -1,6 +1,8 @@
-//! What a part has around and below its mirror: the border, and blind holes from the base.
+//! What a part has around and below its mirror: the border, blind holes from the base, and a cavity's floor.
 
-use super::{BlindHole, Border, DVec2, Hole, HoleBottom, HoleKind, HoleMeridian, h7_upper_mm};
+use super::{
+    BlindHole, Border, CavityFloor, DVec2, Hole, HoleBottom, HoleKind, HoleMeridian, h7_upper_mm,
+};
 
 /// Features of a part beside its mirror and the walls below it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -9,6 +11,8 @@ pub struct PartFeatures<'a> {
     pub border: Option<&'a Border>,
     /// Holes from the base that end in the material, below the mirror or the border.
     pub blind_holes: &'a [BlindHole],
+    /// The floor of the cavity of a hollow part.
+    pub floor: Option<&'a CavityFloor>,
 }
 
 /// A hole of a part, with its number among all of them.
@@ -26,12 +30,13 @@ pub struct NumberedHole {
 
 impl<'a> PartFeatures<'a> {
     /// A body that is the mirror, walls and a base.
-    pub const NONE: PartFeatures<'static> = PartFeatures { border: None, blind_holes: &[] };
+    pub const NONE: PartFeatures<'static> =
+        PartFeatures { border: None, blind_holes: &[], floor: None };
 
     /// A body with this border and no blind holes.
     #[must_use]
     pub fn bordered(border: Option<&'a Border>) -> Self {
-        Self { border, blind_holes: &[] }
+        Self { border, ..Self::default() }
     }
 
     /// All holes in the order of their numbers.
@@ -55,10 +60,18 @@ impl<'a> PartFeatures<'a> {
         })
     }
 
-    /// Number of through holes.
+    /// Number of ways through: through holes, and from drain to drain by the cavity.
     #[must_use]
     pub fn through(self) -> usize {
-        self.border.map_or(0, |border| border.through().count())
+        let drains = self.floor.map_or(0, |floor| floor.drains.len());
+        self.border.map_or(0, |border| border.through().count()) + drains.saturating_sub(1)
+    }
+
+    /// The surfaces of blind holes and of drains, which both open in the base and not in the flat top.
+    #[must_use]
+    pub fn from_below(self) -> Vec<HoleMeridian> {
+        let drains = self.floor.into_iter().flat_map(CavityFloor::meridians);
+        self.blind_holes.iter().map(BlindHole::meridian).chain(drains).collect()
     }
 
     /// Z of the plane on which the walls below the mirror stand, mm.
@@ -76,8 +89,8 @@ impl<'a> PartFeatures<'a> {
     /// What polygons in the place of circles may change the volume by, mm^3.
     #[must_use]
     pub fn chords_mm3(self) -> f64 {
-        let blind = self.blind_holes.iter().map(|blind| blind.meridian().chords_mm3());
-        self.border.map_or(0.0, Border::chords_mm3) + blind.sum::<f64>()
+        let below: f64 = self.from_below().iter().map(HoleMeridian::chords_mm3).sum();
+        self.border.map_or(0.0, Border::chords_mm3) + below
     }
 }
 
@@ -180,7 +193,8 @@ mod tests {
             blind(at(5.0, HoleKind::Dowel, 3.0), 7.5, HoleBottom::DrillPoint),
             blind(at(6.0, HoleKind::Plain, 5.0), 3.1, HoleBottom::Flat),
         ];
-        let features = PartFeatures { border: Some(&border), blind_holes: &blind_holes };
+        let features =
+            PartFeatures { border: Some(&border), blind_holes: &blind_holes, floor: None };
         let told: Vec<String> = features
             .holes()
             .map(|hole| format!("{} at X {}: {}", hole.number, hole.at().x, hole.words()))

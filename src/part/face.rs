@@ -1,6 +1,7 @@
 //! From what a profile asks of its facets to a face, or to the forecast of one: limits or a number
 //! of triangles, and the digits of the files that are asked for.
 
+use super::closed::cavity_facets;
 use super::formats::{TRACED, cad, codec, meshes};
 use crate::design::Design;
 use crate::forming::FormingTool;
@@ -130,6 +131,11 @@ pub(crate) fn limits(profile: &Profile, design: &Design, precision: Precision) -
 
 /// How many facets close the face that is foreseen.
 pub(crate) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
+    body_facets(forecast, design) + cavity_facets(design)
+}
+
+/// The same without those of a cavity.
+fn body_facets(forecast: &FaceForecast, design: &Design) -> usize {
     let hole = match design.mirror.outline {
         // As if neighbours on both rims were equally far apart.
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
@@ -142,29 +148,33 @@ pub(crate) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
 }
 
 /// What closing adds to faces of a mirror.
-struct ClosingCount<'a>(&'a Design);
+struct ClosingCount<'a> {
+    design: &'a Design,
+    /// Facets of its cavity.
+    within: usize,
+}
 
 impl<'a> ClosingCount<'a> {
     fn new(design: &'a Design) -> Self {
-        Self(design)
+        Self { design, within: cavity_facets(design) }
     }
 
     fn budget(&self, triangles: usize, precision: Precision) -> Budget<'_> {
-        let Design { mirror, camera, .. } = self.0;
-        let (camera, view) = (&camera.chart, self.0.bounded_view());
+        let Design { mirror, camera, .. } = self.design;
+        let (camera, view) = (&camera.chart, self.design.bounded_view());
         Budget { mirror, camera, view, precision, triangles, closing: self }
     }
 }
 
 impl ClosureCount for ClosingCount<'_> {
     fn foreseen(&self, forecast: &FaceForecast) -> f64 {
-        added_to(forecast, self.0) as f64
+        (body_facets(forecast, self.design) + self.within) as f64
     }
 
     fn counted(&self, face: &Face) -> usize {
         // A rim that cannot be closed is the next stage's to refuse.
-        let (features, _) = self.0.made_body();
-        rim(&face.mesh).map_or(0, |rim| added(rim, features))
+        let (features, _) = self.design.made_body();
+        rim(&face.mesh).map_or(0, |rim| added(rim, features) + self.within)
     }
 }
 

@@ -25,7 +25,9 @@ use crate::render::{
     CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
 };
 use crate::report::BuildFigures;
-use crate::results::{BuildReport, HoleFacts, Reason, SCHEMA, SharpnessFacts, ToolFacts};
+use crate::results::{
+    BuildReport, CavityFacts, HoleFacts, Reason, SCHEMA, SharpnessFacts, ToolFacts,
+};
 use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
@@ -340,6 +342,7 @@ fn report(
         mesh,
         solid,
         tool,
+        cavity: CavityFacts::of(design),
         holes: HoleFacts::of(design.made_body().0),
         files,
         trace: findings.trace,

@@ -187,7 +187,7 @@ fn size(design: &Design, optical: usize, plan: &MeshPlan) -> MeshCounts {
     let rim = plan.forecast.rim.round() as usize;
     let more = added_to(&plan.forecast, design);
     let face_vertices = (optical + rim) / 2 + if ring { 0 } else { 1 };
-    let vertices = ((optical + more) / 2 + 2).saturating_sub(2 * design.holes());
+    let vertices = ((optical + more) / 2 + 2).saturating_sub(2 * design.made_body().0.through());
     MeshCounts {
         optical,
         more,

@@ -41,7 +41,10 @@ pub(crate) fn coarse_part(design: &Design) -> Option<Solid> {
 /// The same with the digits of a precision, or why it cannot be closed.
 pub(super) fn coarse_solid(design: &Design, precision: Precision) -> Result<Solid, String> {
     let face = coarse_mesh(&design.mirror).ok_or("the walls between its panels cross")?;
-    let solid = Solid::from_face(&face, design.features(), precision);
+    let solid = match design.tool {
+        Some(_) => Solid::from_face(&face, design.features(), precision),
+        None => closed(design, &face, precision),
+    };
     solid.map_err(|error| error.to_string())
 }
 

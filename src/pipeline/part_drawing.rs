@@ -7,7 +7,7 @@ use super::page_figures::coarse_solid;
 use crate::design::Design;
 use crate::drawing::{self, DrawnPart};
 use crate::export::sag_heights;
-use crate::geom::{Contour, DVec2, Drilled, NumberedHole, Outline, Precision};
+use crate::geom::{Contour, DVec2, Drilled, Hole, NumberedHole, Outline, Precision};
 use crate::inspection::{least_margin_mm, plan_points, rims};
 use crate::mirror::{Form, Mirror};
 use crate::num::rounding::{ceil_125, two_digits_below};
@@ -91,6 +91,7 @@ fn facts(profile: &Profile, design: &Design, form: &Form, inspected: usize) -> D
         rim_mm: border.map(|border| border.top_mm),
         corner_radius_mm: corner.filter(|radius| *radius > 0.0),
         edge_chamfer_mm: border.map(|border| border.edge_chamfer_mm).filter(|leg| *leg > 0.0),
+        shell_mm: design.cavity.as_ref().map(|cavity| cavity.wall_mm),
         features: features(design),
         sphere_radius_mm: form.sphere.radius_of_curvature_mm,
         sphere_departure_mm: form.sphere.departure.pv_mm,
@@ -110,7 +111,7 @@ fn mirror_size(mirror: &Mirror) -> DVec2 {
     high - low
 }
 
-/// Holes and marks, with their numbers.
+/// Holes, marks and drains, with their numbers.
 fn features(design: &Design) -> Vec<DrawnFeature> {
     let hole = |hole: NumberedHole| {
         // (A plain diameter has a column of its own.)
@@ -125,7 +126,15 @@ fn features(design: &Design) -> Vec<DrawnFeature> {
         what: format!("dimple 90\u{b0} x {}", mark.radius()),
     };
     let marks = design.border.iter().flat_map(|border| border.marks.iter());
-    design.features().holes().map(hole).chain(marks.enumerate().map(mark)).collect()
+    let drain = |(k, drain): (usize, &Hole)| DrawnFeature {
+        name: format!("D{}", k + 1),
+        at_mm: drain.at.to_array(),
+        diameter_mm: drain.diameter_mm,
+        what: "drain, base to cavity".to_owned(),
+    };
+    let drains = design.cavity.iter().flat_map(|cavity| &cavity.floor.drains);
+    let holes = design.features().holes().map(hole);
+    holes.chain(marks.enumerate().map(mark)).chain(drains.enumerate().map(drain)).collect()
 }
 
 /// Circles in the plan of the part, seen or hidden.
@@ -147,6 +156,8 @@ fn circles(design: &Design) -> Vec<(DVec2, f64)> {
         circles.dedup();
         circles.extend(border.marks.iter().map(|mark| (mark.at, mark.radius())));
     }
+    let drains = design.cavity.iter().flat_map(|cavity| &cavity.floor.drains);
+    circles.extend(drains.map(|drain| (drain.at, drain.radius())));
     for hole in design.features().holes() {
         let mut radii: Vec<f64> = hole.meridian.points().iter().map(|point| point.x).collect();
         radii.sort_by(f64::total_cmp);

@@ -5,7 +5,9 @@ use super::cad_export::{CadExport, CadFigures, CadFindings};
 use super::form_study::{FormStudy, pmi_facts};
 use crate::brep::Body;
 use crate::design::Design;
-use crate::export::step::{FittedMirror, Pmi, StepSchema, fit_splines, fit_tool, write_step};
+use crate::export::step::{
+    FittedBody, FittedMirror, Pmi, StepSchema, fit_splines, fit_tool, write_step,
+};
 use crate::export::{ByteCounter, Label};
 use crate::forming::FormingTool;
 use crate::geom::{DVec2, DVec3, Ray, angle};
@@ -32,6 +34,8 @@ const UNCERTAINTY_MM: f64 = 1e-7;
 pub(super) struct StepExport<'a> {
     design: &'a Design,
     fit: FittedMirror,
+    /// Splines of the roof of a cavity.
+    roof: Option<FittedMirror>,
     schema: StepSchema,
     /// What it says of datum features and tolerance.
     pmi: Option<PmiFacts>,
@@ -52,6 +56,8 @@ impl<'a> StepExport<'a> {
         };
         let fail = |source| Error::Step { profile: profile.name.clone(), source };
         let fit = fit.map_err(fail)?;
+        let cavity = design.cavity.as_ref();
+        let roof = cavity.map(|cavity| fit_splines(&cavity.roof)).transpose().map_err(fail)?;
         let (schema, pmi) = match profile.step {
             StepProtocol::Ap214 => (StepSchema::Ap214, None),
             StepProtocol::Ap242 => {
@@ -61,7 +67,7 @@ impl<'a> StepExport<'a> {
                 (StepSchema::Ap242(Pmi { datums: design.datums(), profile_mm }), Some(facts))
             }
         };
-        Ok(Self { design, fit, schema, pmi })
+        Ok(Self { design, fit, roof, schema, pmi })
     }
 
     /// The errors that the file may have.
@@ -89,9 +95,10 @@ pub(super) fn compared(
     if !(off.along_normal_mm <= limit_mm) {
         faults.push(FileFault::SurfaceError { off_mm: off.along_normal_mm, limit_mm });
     }
-    // Every face may be off by so much.
+    // Every face may be off by so much, and those of a cavity are no larger.
     let [x, y, z] = size_mm;
-    let allowed = (limit_mm + UNCERTAINTY_MM) * 2.0 * (x * y + y * z + z * x);
+    let boxes = if design.cavity.is_some() { 2.0 } else { 1.0 };
+    let allowed = (limit_mm + UNCERTAINTY_MM) * boxes * 2.0 * (x * y + y * z + z * x);
     if !((facts.volume_mm3 - designed_mm3).abs() <= allowed) {
         faults.push(FileFault::VolumeError { found_mm3: facts.volume_mm3, designed_mm3 });
     }
@@ -113,7 +120,8 @@ impl CadExport for StepExport<'_> {
     }
 
     fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
-        write_step(&mut out, &self.fit, self.design.made_body().0, &self.schema, label)
+        let body = FittedBody { mirror: &self.fit, roof: self.roof.as_ref() };
+        write_step(&mut out, body, self.design.made_body().0, &self.schema, label)
     }
 
     fn bytes(&self, label: &Label) -> u64 {

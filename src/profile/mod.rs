@@ -21,6 +21,7 @@ mod reader;
 mod sag;
 mod schema;
 mod shape;
+mod shell;
 mod shipped;
 mod source;
 pub mod tolerance;
@@ -52,6 +53,7 @@ pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]
 pub(crate) use schema::{LISTS, TABLES};
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
+pub use shell::ShellSpec;
 pub use shipped::{Shipped, shipped};
 #[cfg(feature = "studio")]
 pub(crate) use source::text as text_of_profile;
@@ -233,6 +235,8 @@ pub struct PartSpec {
     pub holes: Vec<HoleSpec>,
     /// The tool that is made in the part's place; none for the part itself.
     pub forming: Option<FormingSpec>,
+    /// The cavity of a hollow part.
+    pub shell: Option<ShellSpec>,
 }
 
 /// Sampling of the mirror by the sag table; without a pitch or a step that one is 1/200 of the part's

@@ -95,6 +95,7 @@ impl BuildReport {
     /// Its facts in plain words.
     fn plain_rows(&self) -> AnswerRows {
         let Self { layout, design, unwanted, trace, frame, sharpness, accepted, tool, .. } = self;
+        let cavity = &self.cavity;
         let picture = plain_picture(trace, frame, accepted);
         let of_design: [&dyn ToRows; 5] = [
             &design.least_error,
@@ -103,7 +104,7 @@ impl BuildReport {
             &design.dividing_lines,
             unwanted,
         ];
-        let mut rows = AnswerRows::of(&[tool, layout, &picture]);
+        let mut rows = AnswerRows::of(&[tool, layout, cavity, &picture]);
         rows.append(AnswerRows::of(&of_design));
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         rows
@@ -112,13 +113,14 @@ impl BuildReport {
     /// Its facts in the order of the page.
     fn page_rows(&self) -> AnswerRows {
         let Self { layout, design, unwanted, form, mesh, solid, step, sag, drawing, .. } = self;
-        let Self { trace, frame, sharpness, accepted, tool, .. } = self;
+        let Self { trace, frame, sharpness, accepted, tool, cavity, .. } = self;
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         let mut rows = AnswerRows::default();
         rows.page("profile sha256", &self.profile.sha256);
         rows.append(AnswerRows::of(&[
             tool,
             layout,
+            cavity,
             design,
             &design.least_error,
             &design.map,

@@ -8,6 +8,7 @@ mod blur;
 mod build;
 mod build_figures;
 mod build_forecast;
+mod cavity;
 mod drawing;
 mod fact_rows;
 mod frame;

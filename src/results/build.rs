@@ -4,8 +4,8 @@ use super::Reason;
 use super::SharpnessFacts;
 use super::{AlignmentFacts, UnitFacts};
 use super::{
-    DrawingFacts, FileFacts, HoleFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts,
-    StepFacts, ToolFacts, TraceFacts, Verdict,
+    CavityFacts, DrawingFacts, FileFacts, HoleFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts,
+    SolidFacts, StepFacts, ToolFacts, TraceFacts, Verdict,
 };
 use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
@@ -43,6 +43,9 @@ pub struct BuildReport {
     /// The forming tool that is made in the part's place; absent of the part itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tool: Option<ToolFacts>,
+    /// The cavity of a hollow part; absent of a solid one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cavity: Option<CavityFacts>,
     /// Holes of the part, or of the tool; absent where it has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub holes: Vec<HoleFacts>,

@@ -46,7 +46,10 @@ pub struct DrawingFacts {
     /// Leg of the chamfers of 45 degrees along the part's outer edges, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_chamfer_mm: Option<f64>,
-    /// Holes and marks, in the order of their numbers on the drawing.
+    /// Least thickness of base, walls and mirror around a cavity, mm; absent of solid parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shell_mm: Option<f64>,
+    /// Holes, marks and drains, in the order of their numbers on the drawing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<DrawnFeature>,
     /// Radius of curvature of the best-fit sphere, mm, negative for a dome; absent of a flat mirror.

@@ -5,6 +5,7 @@ mod answers;
 mod blur;
 mod build;
 mod build_forecast;
+mod cavity;
 mod drawing;
 mod facts;
 mod faults;
@@ -30,6 +31,7 @@ pub use answers::{
 pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
 pub use build::{BuildReport, VerifyReport};
 pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
+pub use cavity::{CavityFacts, DrainFacts};
 pub use drawing::{DrawingFacts, DrawingReport, DrawnFeature};
 pub use facts::{
     ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, PmiFacts, ProfileId, SCHEMA, SagFacts,

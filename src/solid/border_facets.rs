@@ -2,8 +2,8 @@
 
 use super::{SolidError, add_polygon, rounded, sides, wall};
 use crate::geom::{
-    BlindHole, Border, DVec2, Hole, HoleMeridian, Land, PartFeatures, Precision, TriMesh,
-    TriangulationFault, triangulate_loops,
+    BlindHole, Border, CavityFloor, DVec2, Hole, HoleMeridian, Land, PartFeatures, Precision,
+    TriMesh, TriangulationFault, triangulate_loops,
 };
 
 /// A hole's surface as loops, each counter-clockwise from above, from the upper one to that in the base; a blind hole
@@ -28,7 +28,7 @@ impl HoleLoops {
     }
 
     /// The loop in the plane above.
-    fn upper(&self) -> &[u32] {
+    pub(super) fn upper(&self) -> &[u32] {
         &self.loops[0]
     }
 
@@ -72,8 +72,14 @@ pub(super) fn land(
     Ok(bores)
 }
 
+/// The loops of the drains through the floor of a cavity.
+pub(super) fn drains(mesh: &mut TriMesh, floor: Option<&CavityFloor>) -> Vec<HoleLoops> {
+    let meridians = floor.into_iter().flat_map(CavityFloor::meridians);
+    meridians.map(|drain| HoleLoops::new(mesh, &drain)).collect()
+}
+
 /// Closes what is open at `feet`, the loop of the face's skirt on the flat top of `border`, and at the
-/// holes of the land; blind holes open in the base. Circles become polygons with their corners on them, of chords
+/// `bores` of land and cavity; blind holes open in the base. Circles become polygons with their corners on them, of chords
 /// within [`crate::geom::CHORD_MM`].
 ///
 /// # Errors
@@ -82,7 +88,7 @@ pub(super) fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
     border: &Border,
-    (of_land, blind): (Vec<HoleLoops>, &[BlindHole]),
+    (bores, blind): (Vec<HoleLoops>, &[BlindHole]),
     precision: Precision,
 ) -> Result<(), SolidError> {
     let top = border.top_mm;
@@ -105,25 +111,25 @@ pub(super) fn close(
         let tip = add_polygon(mesh, &[mark.at], top - mark.radius())[0];
         mesh.triangles.extend(sides(rim).map(|[v, next]| [v, next, tip]));
     }
-    holes.extend(of_land);
+    holes.extend(bores);
     holes.extend(blind.iter().map(|blind| HoleLoops::new(mesh, &blind.meridian())));
     holes.iter().for_each(|hole| hole.close(mesh));
     side.windows(2).for_each(|pair| wall(mesh, &pair[0], &pair[1]));
     base(mesh, lowest, &holes, precision)
 }
 
-/// Closes what is open at `feet`, the loop of the face's skirt on the base, around blind holes; at least one.
+/// Closes what is open at `feet`, the loop of the face's skirt on the base, around drains and blind holes; at least one.
 ///
 /// # Errors
 /// [`SolidError::BorderTriangulation`] when loops touch each other.
 pub(super) fn drill(
     mesh: &mut TriMesh,
     feet: &[u32],
-    blind: &[BlindHole],
+    (drains, blind): (Vec<HoleLoops>, &[BlindHole]),
     precision: Precision,
 ) -> Result<(), SolidError> {
-    let holes: Vec<HoleLoops> =
-        blind.iter().map(|blind| HoleLoops::new(mesh, &blind.meridian())).collect();
+    let mut holes = drains;
+    holes.extend(blind.iter().map(|blind| HoleLoops::new(mesh, &blind.meridian())));
     holes.iter().for_each(|hole| hole.close(mesh));
     base(mesh, feet, &holes, precision)
 }
@@ -148,7 +154,7 @@ pub(super) fn added_facets(features: PartFeatures) -> usize {
     let mouths =
         |holes: &[HoleMeridian]| -> usize { holes.iter().map(|hole| hole.corners() + 2).sum() };
     let walls = |holes: &[HoleMeridian]| -> usize { holes.iter().map(hole_facets).sum() };
-    let blind: Vec<HoleMeridian> = features.blind_holes.iter().map(BlindHole::meridian).collect();
+    let blind = features.from_below();
     let Some(border) = features.border else {
         return if blind.is_empty() { 0 } else { mouths(&blind) + walls(&blind) - 2 };
     };
@@ -173,7 +179,7 @@ fn through(mesh: &mut TriMesh, holes: &[Hole], top: f64) -> Vec<HoleLoops> {
 }
 
 /// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
-fn triangulate_between(
+pub(super) fn triangulate_between(
     mesh: &TriMesh,
     outer: &[u32],
     inner: &[&[u32]],
@@ -322,7 +328,7 @@ mod tests {
         let mut plate = plate(&[], &[[-2.0, 0.0, 0.3]]);
         plate.holes = vec![hole(2.0, 0.0, wide, 0.1), hole(2.0, 2.0, None, 0.0)];
         for (border, body) in [(None, 8.0), (Some(&plate), 40.0 - PI * 0.15 * 0.15 * 0.05)] {
-            let features = PartFeatures { border, blind_holes: &blind_holes };
+            let features = PartFeatures { border, blind_holes: &blind_holes, floor: None };
             for precision in [Precision::Single, Precision::Double] {
                 let solid = Solid::from_face(&tests::face(), features, precision).unwrap();
                 let through = features.through();
@@ -350,7 +356,7 @@ mod tests {
             bottom: HoleBottom::DrillPoint,
         };
         for blind in [[hole(0.0), hole(0.4)], [hole(0.9), hole(0.0)]] {
-            let features = PartFeatures { border: None, blind_holes: &blind };
+            let features = PartFeatures { blind_holes: &blind, ..PartFeatures::NONE };
             let found = Solid::from_face(&tests::face(), features, Precision::Double);
             assert!(matches!(found, Err(SolidError::BorderTriangulation { .. })), "{found:?}");
         }

@@ -1,10 +1,12 @@
 //! The solid stage: optical face -> closed body, and the check that a body is one.
 
 mod border_facets;
+mod cavity;
 mod check;
 mod defect;
 mod skirt;
 
+pub use cavity::HollowSpace;
 pub use check::{check, open_edges};
 pub use defect::{Defect, OpenBoundary, SolidCheck};
 pub use skirt::Rim;
@@ -63,6 +65,12 @@ pub enum SolidError {
         /// What was found.
         reason: String,
     },
+    /// The roof of a cavity cannot be meshed.
+    #[error("the roof of the part's cavity cannot be meshed: {reason}")]
+    Roof {
+        /// Why.
+        reason: String,
+    },
     /// The closed surface is not a solid.
     #[error("not a solid: {}", .0.reasons().join("; "))]
     Check(SolidCheck),
@@ -85,6 +93,19 @@ impl Solid {
         features: PartFeatures,
         precision: Precision,
     ) -> Result<Self, SolidError> {
+        Self::hollow(face, PartFeatures { floor: None, ..features }, None, precision)
+    }
+
+    /// The same with the cavity `room`, of which `features` have the floor: its facets come before the base.
+    ///
+    /// # Errors
+    /// As [`Solid::from_face`], of the cavity too.
+    pub fn hollow(
+        face: &FaceMesh,
+        features: PartFeatures,
+        room: Option<HollowSpace>,
+        precision: Precision,
+    ) -> Result<Self, SolidError> {
         let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         if !(lowest_mm > 0.0) {
             return Err(SolidError::BelowBasePlane { lowest_mm });
@@ -94,7 +115,7 @@ impl Solid {
             return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
         // A solid shows that no edge of the rim is missing.
-        let on_rim = |edges| Self::on_rim(edges, face, features, precision);
+        let on_rim = |edges| Self::on_rim(edges, face, (features, room), precision);
         on_rim(check::likely_open_edges(face)).or_else(|_| on_rim(check::open_edges(face)))
     }
 
@@ -102,7 +123,7 @@ impl Solid {
     fn on_rim(
         rim_edges: Vec<(u32, u32)>,
         face: &FaceMesh,
-        features: PartFeatures,
+        (features, room): (PartFeatures, Option<HollowSpace>),
         precision: Precision,
     ) -> Result<Self, SolidError> {
         let BoundaryLoops { outer, hole } = boundary_loops(face, rim_edges)?;
@@ -114,21 +135,24 @@ impl Solid {
         if let (Some(hole), Some(land)) = (&hole, land) {
             bores = border_facets::land(&mut mesh, hole, land, precision)?;
         } else if let Some(hole) = hole {
-            let centre = mesh.vertices.len() as u32;
-            let height: f64 = hole.iter().map(|&v| face.vertices[v as usize].z).sum();
-            mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
-            mesh.triangles.extend(sides(&hole).map(|[v, next]| [next, v, centre]));
+            fan(&mut mesh, &hole);
         }
         let feet = Feet::of(face, &outer, features.foot_mm()).skirt(&mut mesh, &outer);
+        let drains = border_facets::drains(&mut mesh, features.floor);
+        if let Some(room) = room {
+            room.add(&mut mesh, &drains, precision)?;
+        }
+        let blind = features.blind_holes;
         match features.border {
-            None if features.blind_holes.is_empty() => {
+            None if blind.is_empty() && drains.is_empty() => {
                 let centre = mesh.vertices.len() as u32;
                 mesh.vertices.push(DVec3::ZERO);
                 mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
             }
-            None => border_facets::drill(&mut mesh, &feet, features.blind_holes, precision)?,
+            None => border_facets::drill(&mut mesh, &feet, (drains, blind), precision)?,
             Some(border) => {
-                let holes = (bores, features.blind_holes);
+                bores.extend(drains);
+                let holes = (bores, blind);
                 border_facets::close(&mut mesh, &feet, border, holes, precision)?;
             }
         }
@@ -180,6 +204,14 @@ impl Solid {
 pub fn added(Rim { edges, steps, hole_edges }: Rim, features: PartFeatures) -> usize {
     // With a border, what ends on the rim's feet is the flat top in the place of the base. A step stands on one foot.
     3 * edges - 2 * steps + hole_edges + border_facets::added_facets(features)
+}
+
+/// Adds a fan of facets within the loop `hole` around the axis, to a vertex on it at the mean height of the loop.
+fn fan(mesh: &mut TriMesh, hole: &[u32]) {
+    let centre = mesh.vertices.len() as u32;
+    let height: f64 = hole.iter().map(|&v| mesh.vertices[v as usize].z).sum();
+    mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
+    mesh.triangles.extend(sides(hole).map(|[v, next]| [next, v, centre]));
 }
 
 /// A copy of `face` with room for so many more facets, and the vertices that they may have.

@@ -102,8 +102,9 @@ impl FileCheck {
         (promise, shortcuts): (Promise, bool),
         each: EachStrip,
     ) -> (Self, TraceCounts) {
-        let solid =
-            SolidFacts::new(&solid_check(body.facts()).through(design.holes()), design.volume());
+        let (features, volume_mm3) = design.made_body();
+        let solid = solid_check(body.facts()).through(features.through());
+        let solid = SolidFacts::new(&solid, volume_mm3);
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = BodyScene::new(body, obstacles.map(Arc::new));
         let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());

@@ -13,7 +13,7 @@ pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, expected_rays};
 pub(crate) use remedy::filling;
 
 use crate::align::FormError;
-use crate::design::Design;
+use crate::design::{Cavity, Design};
 use crate::geom::{Outline, Precision};
 use crate::num::stats::Summary;
 use crate::part::codec;
@@ -126,7 +126,8 @@ fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
         return tool.volume_tolerance_mm3(&design.mirror, chord_mm);
     }
     let outline = design.mirror.full_outline();
-    let faces = outline.area() * chord_mm + design.features().chords_mm3();
+    let within = design.cavity.as_ref().map_or(0.0, Cavity::volume_tolerance_mm3);
+    let faces = outline.area() * chord_mm + design.made_body().0.chords_mm3() + within;
     match outline {
         Outline::Rect(_) => faces,
         // Chords that cut EDGE of the radius take 4/3 of that share of the disc.

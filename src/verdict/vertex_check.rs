@@ -2,8 +2,8 @@
 //! skirt between them, on the land inside a ring, or on the stock around the mirror?
 
 use super::plan_edge::PlanEdge;
-use crate::design::Design;
-use crate::geom::{BlindHole, Border, DVec2, DVec3, HoleMeridian, Outline, Rect};
+use crate::design::{Cavity, Design};
+use crate::geom::{Border, DVec2, DVec3, HoleMeridian, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
 use crate::parallel;
@@ -15,8 +15,10 @@ const CHUNK: usize = 16_384;
 /// The vertex farthest from the part's surface, and how far that is, mm (along Z on the mirror and
 /// the base, across it beside the outline). None without vertices.
 pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)> {
-    let Design { mirror, border, blind_holes, .. } = design;
-    let blind: Vec<HoleMeridian> = blind_holes.iter().map(BlindHole::meridian).collect();
+    let Design { mirror, border, .. } = design;
+    let blind = design.made_body().0.from_below();
+    let on_floor = design.cavity.as_ref().map(on_floor);
+    let room = on_floor.as_ref().map(RoomSurfaces::new);
     let around = Around { border: border.as_ref(), blind: &blind };
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     let land = land(mirror);
@@ -37,7 +39,10 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
                     None => mirror.height(q),
                 };
                 let on_mirror = mirror.chart.point(q, f);
-                let off = distance(mirror, on_mirror, q, v, land, leaning.as_ref(), around);
+                let mut off = distance(mirror, on_mirror, q, v, land, leaning.as_ref(), around);
+                if let Some(room) = room.as_ref().filter(|_| off > 0.0) {
+                    off = off.min(room.distance(v));
+                }
                 worst = farther(worst, (k, off));
                 k += 1;
             }
@@ -101,6 +106,37 @@ fn edge_at(mirror: &Mirror, leaning: Option<&PlanEdge>, v: DVec3) -> (DVec3, f64
     }
     let edge = rim(mirror, across.normalize_or_zero(), mirror.full_outline().reach(across));
     (edge, across.length() - edge.truncate().length())
+}
+
+/// The surfaces of a cavity: those of a part on its floor.
+struct RoomSurfaces<'a> {
+    roof: &'a Mirror,
+    floor_mm: f64,
+    land: Option<(f64, [f64; 2])>,
+    leaning: Option<PlanEdge<'a>>,
+}
+
+/// The roof of a cavity in a frame whose origin is on the floor, and Z of the floor, mm.
+fn on_floor(cavity: &Cavity) -> (Mirror, f64) {
+    let floor_mm = cavity.floor.z_mm;
+    let mut roof = cavity.roof.clone();
+    roof.chart.plane_mm -= floor_mm;
+    (roof, floor_mm)
+}
+
+impl<'a> RoomSurfaces<'a> {
+    fn new((roof, floor_mm): &'a (Mirror, f64)) -> Self {
+        Self { roof, floor_mm: *floor_mm, land: land(roof), leaning: PlanEdge::new(roof) }
+    }
+
+    /// Distance of `v` from them, mm.
+    fn distance(&self, v: DVec3) -> f64 {
+        let v = v - DVec3::Z * self.floor_mm;
+        let (q, _) = self.roof.chart.coordinates(v);
+        let over = self.roof.chart.point(q, self.roof.height(q));
+        let around = Around { border: None, blind: &[] };
+        distance(self.roof, over, q, v, self.land, self.leaning.as_ref(), around)
+    }
 }
 
 /// The surfaces around and below the mirror.

@@ -56,6 +56,7 @@ mod render;
 mod report_contract;
 mod round_mirrors;
 mod sag_table;
+mod shell;
 mod shipped;
 mod single_precision;
 mod step;

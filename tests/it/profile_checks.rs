@@ -51,7 +51,8 @@ fn the_shipped_conquistador_is_the_papers() {
                 base_mm: 5.0,
                 border: None,
                 holes: vec![],
-                forming: None
+                forming: None,
+                shell: None
             },
             step: StepProtocol::Ap214,
             drawing: DrawingSpec::default(),

@@ -1,11 +1,12 @@
-"""Moulds and mandrels by Manifold and OpenCASCADE.
+"""Moulds, mandrels and hollow parts by Manifold, Embree and OpenCASCADE.
 
 usage: check_tools.py DIR
 
-DIR holds the builds fold-part, fold-mould, fold-mandrel, dome-part, dome-mould and dome-mandrel of the profiles of
+DIR holds the builds fold-part, fold-mould, fold-mandrel, fold-hollow, dome-part, dome-mould, dome-mandrel and dome-hollow of the profiles of
 tests/fixtures/tools, with their profiles beside them. A part and its mould have the same facets (the part's chord limit is
 the share of the mould's), so they share no volume; mould and mandrel, closed, leave a gap of the sheet's thickness; and the
-STEP file of the dome's mandrel is a sphere of a radius smaller by it.
+STEP file of the dome's mandrel is a sphere of a radius smaller by it. Of hollow parts the volume is the report's in both
+formats, and material is no thinner than asked along 2000 inward normals all over the body.
 """
 
 import json
@@ -85,6 +86,24 @@ for kind in ["fold", "dome"]:
     lifted = mould ^ part.translate((0.0, 0.0, 0.1))
     area = common.volume() if lifted.is_empty() else lifted.volume() / 0.1
     tell(f"{kind}: the part lifted by 0.1 mm cuts {area:.0f} mm2 of the mould", area > 2000.0)
+
+    body, report = solid(f"{kind}-hollow")
+    cavity, wanted = report["cavity"], report["solid"]["volume_expected_mm3"]
+    wall = cavity["wall_mm"]
+    off = body.volume() / wanted - 1.0
+    tell(f"{kind}: a hollow part of {body.genus()} ways through, its volume off by {off:.1e}", abs(off) < 1e-3)
+    tell(f"{kind}: with two drains, beside its holes", body.genus() == 1 + len(report.get("holes", [])))
+    _, volume = optical(here / f"{kind}-hollow" / "mirror.step")
+    off = volume / wanted - 1.0
+    tell(f"{kind}: as STEP off by {off:.1e}", abs(off) < 1e-7)
+    mesh = trimesh.load(here / f"{kind}-hollow" / "mirror.obj", process=False)
+    points, facets = trimesh.sample.sample_surface(mesh, 2000, seed=1)
+    inward = -mesh.face_normals[facets]
+    hits, rays, _ = mesh.ray.intersects_location(points + 1e-4 * inward, inward, multiple_hits=False)
+    thick = np.linalg.norm(hits - points[rays], axis=1).min()
+    tell(f"{kind}: {thick:.4f} mm thick or more, {wall} asked", len(rays) == 2000 and thick > wall - 1e-3)
+    light = body.volume() / (cavity["volume_mm3"] + wanted)
+    tell(f"{kind}: {light:.3f} of the material", abs(light - cavity["material_share"]) < 1e-3)
 
 mandrel, report = solid("dome-mandrel")
 mould, _ = solid("dome-mould")

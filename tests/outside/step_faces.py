@@ -20,6 +20,8 @@ COLOURS = {
     "CHAMFER": (0.6, 0.65, 0.65),
     "BASE": (0.5, 0.75, 0.5),
     "MARK": (0.7, 0.5, 0.8),
+    "CAVITY": (0.55, 0.55, 0.5),
+    "DRAIN": (0.55, 0.55, 0.5),
 }
 THREAD, DOWEL, HOLE = (0.95, 0.6, 0.25), (0.85, 0.3, 0.3), (0.9, 0.85, 0.4)
 SINGLE = 1e-6  # XCAF keeps colours in single precision
@@ -34,7 +36,7 @@ def wanted(name):
     """The colour of a face of this name; none for a name that no face has."""
     kind, _, words = name.partition(" ")
     kind, _, number = kind.partition("_")
-    if bool(number) != (kind in ("HOLE", "MARK")) or number and not number.isdigit():
+    if bool(number) != (kind in ("HOLE", "MARK", "DRAIN")) or number and not number.isdigit():
         return None
     if kind == "HOLE":
         return THREAD if words.startswith("M") else DOWEL if " H7 " in words else HOLE

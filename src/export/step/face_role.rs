@@ -25,6 +25,10 @@ pub(super) enum FaceRole {
     Hole(NumberedHole),
     /// A mark, counted from 1.
     Mark(usize),
+    /// The roof, a wall or the floor of a cavity.
+    Cavity,
+    /// A drain of a cavity, counted from 1.
+    Drain(usize),
 }
 
 impl FaceRole {
@@ -39,6 +43,7 @@ impl FaceRole {
                 HoleKind::Plain | HoleKind::Screw(_) => "0.9,0.85,0.4",
             },
             Self::Mark(_) => "0.7,0.5,0.8",
+            Self::Cavity | Self::Drain(_) => "0.55,0.55,0.5",
             Self::Chamfer => "0.6,0.65,0.65",
             Self::Land | Self::Wall | Self::Rim | Self::Side => "0.8,0.8,0.8",
         }
@@ -58,6 +63,8 @@ impl Display for FaceRole {
             Self::Hole(hole) if hole.is_plain() => write!(f, "HOLE_{}", hole.number),
             Self::Hole(hole) => write!(f, "HOLE_{} {}", hole.number, hole.words()),
             Self::Mark(k) => write!(f, "MARK_{k}"),
+            Self::Cavity => f.write_str("CAVITY"),
+            Self::Drain(k) => write!(f, "DRAIN_{k}"),
         }
     }
 }

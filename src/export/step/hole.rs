@@ -3,7 +3,7 @@
 use super::face_role::FaceRole;
 use super::part21::{DataSection, InstanceId};
 use super::topology::BrepEdge;
-use crate::geom::{DVec2, DVec3, NumberedHole};
+use crate::geom::{DVec2, DVec3, HoleMeridian, NumberedHole};
 
 /// Writes the faces of a hole; the circle in which it opens in the base, and the highest one.
 pub(super) fn write_hole(
@@ -11,7 +11,16 @@ pub(super) fn write_hole(
     hole: &NumberedHole,
     faces: &mut Vec<InstanceId>,
 ) -> [BrepEdge; 2] {
-    let (role, hole) = (FaceRole::Hole(*hole), &hole.meridian);
+    write_bore(data, FaceRole::Hole(*hole), &hole.meridian, faces)
+}
+
+/// The same of a hole's surface alone.
+pub(super) fn write_bore(
+    data: &mut DataSection,
+    role: FaceRole,
+    hole: &HoleMeridian,
+    faces: &mut Vec<InstanceId>,
+) -> [BrepEdge; 2] {
     let mouth = data.circle_edge(hole.axis.extend(0.0), hole.mouth_radius());
     let mut last = mouth;
     for [low, high] in hole.pieces() {

@@ -16,11 +16,13 @@
 mod b_spline;
 mod border;
 mod brep;
+mod cavity;
 mod face_role;
 mod fit;
 mod fit_tool;
 mod hole;
 mod knots;
+mod mirror_faces;
 mod panelled;
 mod panels;
 mod parametric_surface;
@@ -120,20 +122,37 @@ impl StepSchema {
     }
 }
 
-/// Writes the body as STEP: what `fit` found of the mirror, with its features.
+/// Splines of a body's freeform faces.
+#[derive(Debug, Clone, Copy)]
+pub struct FittedBody<'a> {
+    /// Those of the mirror.
+    pub mirror: &'a FittedMirror,
+    /// Those of the roof of a cavity.
+    pub roof: Option<&'a FittedMirror>,
+}
+
+impl<'a> From<&'a FittedMirror> for FittedBody<'a> {
+    fn from(mirror: &'a FittedMirror) -> Self {
+        Self { mirror, roof: None }
+    }
+}
+
+/// Writes the body as STEP: what was fitted to its faces, with its features.
 /// Lengths have the digits that matter, 1e-10 mm; nothing depends on the time or the machine.
 ///
 /// # Errors
 /// Whatever `out` returns, flushing included.
-pub fn write_step(
+pub fn write_step<'a>(
     out: &mut impl Write,
-    fit: &FittedMirror,
+    body: impl Into<FittedBody<'a>>,
     features: PartFeatures,
     schema: &StepSchema,
     label: &Label,
 ) -> io::Result<()> {
     let mut data = DataSection::default();
-    let context = product(&mut data, (fit, features), schema, label);
+    let body = body.into();
+    let fit = body.mirror;
+    let context = product(&mut data, (body, features), schema, label);
     if let StepSchema::Ap242(pmi) = schema {
         pmi.write(&mut data, &context);
     }
@@ -165,7 +184,7 @@ pub fn write_step(
 /// The product, its shape and the body.
 fn product(
     data: &mut DataSection,
-    (fit, features): (&FittedMirror, PartFeatures),
+    (body, features): (FittedBody, PartFeatures),
     schema: &StepSchema,
     label: &Label,
 ) -> ShapeContext {
@@ -197,7 +216,7 @@ fn product(
          REPRESENTATION_CONTEXT('part','3D'))"
     ));
     let origin = data.placement(DVec3::ZERO, DVec3::Z, DVec3::X);
-    let body = brep::write_body(data, fit, features);
+    let body = brep::write_body(data, body, features);
     let brep =
         data.add(format_args!("ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{body}),{space})"));
     data.add(format_args!("SHAPE_DEFINITION_REPRESENTATION({shape},{brep})"));

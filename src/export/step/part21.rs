@@ -29,6 +29,8 @@ pub(super) struct DataSection {
     pub text: String,
     /// The body's faces.
     pub(super) faces: Vec<WrittenFace>,
+    /// Whether faces that are written now bound a cavity: they are turned round, and have its name.
+    pub(super) is_cavity: bool,
     last: u32,
 }
 

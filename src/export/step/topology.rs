@@ -197,7 +197,8 @@ impl DataSection {
         self.add(format_args!("EDGE_LOOP('',{boundary})"))
     }
 
-    /// A face, the outer loop first; `same` when the surface's normal leads out of the body.
+    /// A face, the outer loop first; `same` when the surface's normal leads out of the body. In a cavity all of that is
+    /// turned round.
     pub(super) fn face(
         &mut self,
         role: FaceRole,
@@ -217,13 +218,19 @@ impl DataSection {
         same: bool,
         out: Option<DVec2>,
     ) -> InstanceId {
+        let flag = |holds: bool| if holds { "T" } else { "F" };
+        let (role, same) = match self.is_cavity {
+            true => (FaceRole::Cavity, !same),
+            false => (role, same),
+        };
+        let forward = flag(!self.is_cavity);
         let mut bounds = Vec::new();
         for (k, boundary) in loops.iter().enumerate() {
             let name = if k == 0 { "FACE_OUTER_BOUND" } else { "FACE_BOUND" };
             let boundary = self.edge_loop(boundary);
-            bounds.push(self.add(format_args!("{name}('',{boundary},.T.)")));
+            bounds.push(self.add(format_args!("{name}('',{boundary},.{forward}.)")));
         }
-        let (bounds, flag) = (list(&bounds), if same { "T" } else { "F" });
+        let (bounds, flag) = (list(&bounds), flag(same));
         let name = quoted(&role.to_string());
         let id = self.add(format_args!("ADVANCED_FACE({name},{bounds},{surface},.{flag}.)"));
         self.faces.push(WrittenFace { id, role, out });

@@ -52,7 +52,12 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> BorderEntry
     BorderEntry { width, rim, corner, chamfer, holes, marks }
 }
 
-fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Located<Drilled>> {
+/// Entries of X, Y and diameter under `key`, each with its place.
+pub(super) fn spots(
+    reader: &mut ProfileReader,
+    section: &Section,
+    key: &str,
+) -> Vec<Located<Drilled>> {
     let hint = "[34, 0, 3.2] is 3.2 mm wide, about X = 34 mm and Y = 0 mm";
     let list =
         RowsFormat { key, need: Optional, entry: "[x, y, diameter]", count: [1, MOST], hint };
@@ -121,7 +126,8 @@ pub(super) fn check(
         (Some(mirror), Some(width)) if tool.is_none() => {
             let holes = holes.iter().map(|hole| hole.value).collect();
             let (width_mm, base_mm) = (width.value, base.value);
-            PartSpec { width_mm, base_mm, border, holes, forming: None }.conflicts(&mirror)
+            PartSpec { width_mm, base_mm, border, holes, forming: None, shell: None }
+                .conflicts(&mirror)
         }
         // Of a tool's rim the design complains, of a mirror whose outline it alone can tell of the rest.
         _ if tool.is_some() => Vec::new(),

@@ -7,7 +7,7 @@ use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, number, word};
 use super::super::words::list;
 use super::super::{AcceptanceSpec, FileFormat, MeshGoal, StepProtocol, schema};
-use super::{Entries, SIZE, border, forming, is_size};
+use super::{Entries, SIZE, border, forming, is_size, shell};
 
 /// The part's figures, each with its place.
 #[derive(Default)]
@@ -18,6 +18,8 @@ pub(super) struct PartEntry {
     /// Offset of a part without a height.
     pub(super) lacks_height: Option<usize>,
     pub(super) border: border::BorderEntry,
+    /// The cavity of a hollow part.
+    pub(super) shell: Option<shell::ShellEntry>,
     pub(super) form: Option<forming::FormEntry>,
 }
 
@@ -33,8 +35,9 @@ pub(super) fn part(reader: &mut ProfileReader, root: &Section) -> PartEntry {
     let height = number(reader, &section, "height_mm", Optional, SIZE, hint, is_size);
     let lacks_height = (!section.has("height_mm")).then_some(section.at);
     let border = border::read(reader, &section);
+    let shell = shell::read(reader, &section);
     let form = Some(forming::form(reader, &section));
-    PartEntry { width, base, height, lacks_height, border, form }
+    PartEntry { width, base, height, lacks_height, border, shell, form }
 }
 
 /// The mesh's limits; without a projection there is nothing to measure pixels by.

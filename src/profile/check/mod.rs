@@ -18,6 +18,7 @@ mod posed_target;
 mod projection;
 mod reach;
 mod sag;
+mod shell;
 mod table;
 mod target;
 mod tolerance;
@@ -141,6 +142,7 @@ pub(super) fn profile(
     reach::check(reader, &parts);
     let tool = forming::read(reader, &root, parts.part.form, parts.part.base.as_ref());
     forming::check(reader, &parts, (tool.as_ref(), formats.as_deref(), step), &holes);
+    shell::check(reader, &parts, tool.as_ref());
     border::check(reader, &parts, &holes, tool.as_ref());
     if !reader.is_clean() {
         return None;
@@ -169,7 +171,8 @@ pub(super) fn profile(
             let (width_mm, base_mm) = (part.width?.value, part.base?.value);
             let holes = holes.into_iter().map(|hole| hole.value).collect();
             let border = part.border.border(base_mm);
-            PartSpec { width_mm, base_mm, border, holes, forming: tool }
+            let shell = part.shell.map(|shell| shell.value);
+            PartSpec { width_mm, base_mm, border, holes, forming: tool, shell }
         },
         mesh: mesh?,
         formats: formats?,

@@ -72,9 +72,12 @@ centre_deg = [180, 40]
 hfov_deg = 40
 ";
 
-/// A flat rim with rounded corners, a hole and a mark.
+/// A flat rim with rounded corners, a hole and a mark, and a cavity with a drain.
 const RIM: &str = "\
-base_mm = 4
+base_mm = 8
+rim_mm = 2
+shell_mm = 1
+drains_mm = [[0, 1, 2]]
 border_mm = 6
 corner_radius_mm = 2
 edge_chamfer_mm = 0.4

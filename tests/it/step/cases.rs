@@ -22,7 +22,7 @@ pub struct Case {
 
 impl Case {
     pub fn features(&self) -> PartFeatures<'_> {
-        PartFeatures { border: self.stock.as_ref(), blind_holes: &self.blind }
+        PartFeatures { border: self.stock.as_ref(), blind_holes: &self.blind, floor: None }
     }
 }
 
