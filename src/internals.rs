@@ -56,6 +56,9 @@ pub mod pipeline {
 pub mod profile {
     pub use crate::profile::*;
 }
+pub mod program {
+    pub use crate::program::*;
+}
 pub mod raster {
     pub use crate::raster::*;
 }

@@ -88,6 +88,7 @@ mod part;
 mod pencil;
 mod pipeline;
 mod profile;
+mod program;
 mod publish;
 mod raster;
 mod render;

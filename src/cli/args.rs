@@ -98,7 +98,7 @@ pub(super) struct CheckArgs {
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
     /// The file: STL, OBJ, 3MF, GLB or STEP, in the part frame of the profile unless --align is given; with --align
-    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY
+    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY; with --ball-mm a program: NGC, NC, TAP, CNC or GCODE
     pub file: PathBuf,
     /// Profile file, or name of a shipped profile
     #[arg(long)]
@@ -113,6 +113,9 @@ pub(super) struct VerifyArgs {
     /// Points are centres of the probe's ball of this radius [default: points on the part]
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub probe_mm: Option<f64>,
+    /// Radius of the ball cutter whose tip a program moves, its origin on the part's base below the camera's axis
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub ball_mm: Option<f64>,
     /// Folder for the report and its page, in DIR/NAME-verify/; with --align also for the form error's map
     /// [default: none; with --align: out]
     #[arg(long, value_name = "DIR")]

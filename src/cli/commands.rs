@@ -26,7 +26,8 @@ impl BuildArgs {
 impl VerifyArgs {
     pub(super) fn command(&self) -> Verify<'_> {
         let (units, align) = (self.units.map(Into::into), self.align);
-        let options = VerifyOptions { units, align, probe_mm: self.probe_mm };
+        let (probe_mm, ball_mm) = (self.probe_mm, self.ball_mm);
+        let options = VerifyOptions { units, align, probe_mm, ball_mm };
         Verify { path: &self.file, options }
     }
 }

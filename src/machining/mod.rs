@@ -25,7 +25,9 @@ mod passes;
 mod scallop;
 mod surface_analysis;
 
-pub use as_cut_mesh::{ROWS, as_cut_face, bounding_corners, facet_estimate, plan_outlines};
+pub use as_cut_mesh::{
+    ROWS, as_cut_face, bounding_corners, face_of_cut, facet_estimate, plan_outlines,
+};
 pub use fillet::{Fillet, clears_ridge, fillet_foot};
 pub use gouge::{FLOOR_MM, Gouge};
 pub use passes::{MOST_POINTS, Passes};

@@ -193,6 +193,14 @@ pub enum Error {
         /// The file.
         path: String,
     },
+    /// A program without its cutter.
+    #[error(
+        "{path}: a program does not tell the cutter; give --ball-mm, the radius of the ball whose tip it moves"
+    )]
+    Ball {
+        /// The file.
+        path: String,
+    },
     /// A probe of a file that holds no points.
     #[error(
         "{path}: only lists of points (.csv, .xyz, .txt, .asc, .ply) are of centres of a ball; leave --probe-mm out"

@@ -40,6 +40,7 @@ mod tolerance_spec;
 mod unwrap;
 mod verify;
 mod verify_points;
+mod verify_program;
 
 pub use crate::align::LengthUnit;
 pub use crate::publish::{FileError, OutputFile, abandon};

@@ -6,6 +6,7 @@ use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
 use super::step_export::compared;
 use super::verify_points::PointList;
+use super::verify_program::{CutFindings, Programmed, program_options, programmed};
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
 use crate::brep::{Body, RigidMotion};
@@ -21,13 +22,13 @@ use crate::report::{form_map, inspection_sheet};
 use crate::results::{
     AlignmentFacts, FileFacts, FileFault, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport,
 };
-use crate::verdict::{self, CheckedMesh, EachStrip, FileCheck, Findings};
+use crate::verdict::{self, CheckedMesh, EachStrip, FileCheck, Findings, HeldTo};
 use std::path::{Path, PathBuf};
 
 /// A file of unknown making, and how it is looked at: writes `report.json` and `report.html` into NAME-verify.
 #[derive(Debug, Clone, Copy)]
 pub struct Verify<'a> {
-    /// The file: an STL, OBJ, 3MF, GLB or STEP, or a list of points as CSV, XYZ or PLY.
+    /// The file: an STL, OBJ, 3MF, GLB or STEP, a list of points as CSV, XYZ or PLY, or a program as NGC, NC, TAP or CNC.
     pub path: &'a Path,
     /// How it is looked at.
     pub options: VerifyOptions,
@@ -42,6 +43,8 @@ pub struct VerifyOptions {
     pub align: bool,
     /// Radius of the ball whose centres a list of points holds, mm; none: points on the part.
     pub probe_mm: Option<f64>,
+    /// Radius of the ball cutter that a program moves, mm; none of other files.
+    pub ball_mm: Option<f64>,
 }
 
 /// What a file to be verified is.
@@ -49,6 +52,7 @@ enum VerifiedFormat {
     Mesh(MeshFormat),
     Step,
     Points(PointFormat),
+    Program,
 }
 
 /// The form error's map, and the sheet of a list of points.
@@ -73,13 +77,16 @@ impl Command for Verify<'_> {
     type Report = VerifyReport;
 
     fn check(&self, _profile: &Profile) -> Result<(), Error> {
-        let VerifyOptions { units, align, probe_mm } = self.options;
+        let VerifyOptions { units, align, probe_mm, ball_mm } = self.options;
         let format = self.format()?;
         let declares_unit = match format {
             VerifiedFormat::Mesh(format) => codec(format).declares_unit(),
             VerifiedFormat::Step => true,
             VerifiedFormat::Points(_) => false,
+            VerifiedFormat::Program => true,
         };
+        let is_program = matches!(format, VerifiedFormat::Program);
+        program_options(&self.name(), is_program, (align, ball_mm))?;
         if declares_unit && units.is_some() {
             return Err(Error::Declared { path: self.name() });
         }
@@ -131,6 +138,7 @@ impl Command for Verify<'_> {
         };
         let found = match format {
             VerifiedFormat::Mesh(format) => self.look(&part, format, bytes)?,
+            VerifiedFormat::Program => self.look_at_program(&part, &bytes)?,
             _ => self.look_at_body(&part, &bytes)?,
         };
         let map = found.map.as_ref();
@@ -140,7 +148,10 @@ impl Command for Verify<'_> {
         let (name, units, alignment) = (self.name(), found.units, found.alignment);
         let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
             Findings::new(run.profile, &design, vec![found.check]);
-        let mut warnings = Vec::new();
+        let CutFindings { program, faults: cutting, warning } = found.cut;
+        let mut warnings: Vec<String> = warning.into_iter().collect();
+        let faults = cutting.into_iter().map(Reason::from);
+        reasons.extend(faults.map(|fault| fault.of_file(&name)));
         let faults = found.faults.into_iter();
         reasons.extend(faults.map(|fault| Reason::from(fault).of_file(&name)));
         if found.far > 0 {
@@ -173,6 +184,7 @@ impl Command for Verify<'_> {
             alignment,
             form_error_um,
             measured_form: None,
+            program,
             frame,
             sharpness,
             accepted,
@@ -200,6 +212,8 @@ struct Found {
     check: FileCheck,
     /// What curved faces lack of the design.
     faults: Vec<FileFault>,
+    /// What a program cuts.
+    cut: CutFindings,
     units: Option<UnitFacts>,
     alignment: Option<AlignmentFacts>,
     /// Facets far from the part, which are left out.
@@ -228,6 +242,7 @@ impl Verify<'_> {
             (None, Some("csv" | "xyz" | "txt" | "asc")) => {
                 Ok(VerifiedFormat::Points(PointFormat::Text))
             }
+            (None, Some("ngc" | "nc" | "tap" | "cnc" | "gcode")) => Ok(VerifiedFormat::Program),
             (None, Some("ply")) => Ok(VerifiedFormat::Points(PointFormat::Ply)),
             _ => Err(Error::Format { path: self.name() }),
         }
@@ -262,7 +277,8 @@ impl Verify<'_> {
         };
         let far = leave_far(&mut reread, design);
         let checked = CheckedMesh::new(design, reread, None);
-        let about = About { faults: Vec::new(), units, alignment, far, oversize };
+        let (faults, cut) = (Vec::new(), CutFindings::default());
+        let about = About { faults, cut, units, alignment, far, oversize };
         Ok(self.traced(design, about, |each| {
             witness(run, design, (file, format), checked, promise, each)
         }))
@@ -306,17 +322,53 @@ impl Verify<'_> {
             false => compared(&body, design, promise.chord_mm).1,
         };
         let units = declared();
-        let about = About { faults, units, alignment, far: 0, oversize };
+        let cut = CutFindings::default();
+        let about = About { faults, cut, units, alignment, far: 0, oversize };
         Ok(self
             .traced(design, about, |each| witness_body(run, design, (file, body), promise, each)))
     }
 
+    /// Reads a program, cuts the mirror with it and traces what it leaves.
+    fn look_at_program(&self, part: &Part, bytes: &[u8]) -> Result<Found, Error> {
+        let Part { run, design, .. } = part;
+        let promise = Promise::exact();
+        let file = FileFacts::of(&self.name(), "ngc", bytes);
+        let ball_mm = self.options.ball_mm.unwrap_or_default();
+        let (checked, cut) = match programmed(run, design, bytes, ball_mm)? {
+            Programmed::Cut(checked, cut) => (checked, cut),
+            Programmed::Unread(error) => {
+                let format = MeshFormat::Obj;
+                return Ok(self.unreadable(FileCheck::unreadable(file, format, promise, &error)));
+            }
+            Programmed::Faulty(fault) => {
+                let mut found = self.unreadable(FileCheck::untraced(file, promise));
+                found.cut.faults.push(fault);
+                return Ok(found);
+            }
+        };
+        let (units, alignment, oversize) = (declared(), None, None);
+        let about = About { faults: Vec::new(), cut, units, alignment, far: 0, oversize };
+        Ok(self.traced(design, about, |each| {
+            witness(run, design, (file, MeshFormat::Obj), *checked, promise, each)
+        }))
+    }
+
+    /// What the file is held to.
+    fn held_to(&self) -> HeldTo {
+        match (self.options.align, self.options.ball_mm) {
+            (true, _) => HeldTo::Form,
+            (false, Some(_)) => HeldTo::Picture,
+            (false, None) => HeldTo::Design,
+        }
+    }
+
     /// A file that could not be read.
     fn unreadable(&self, mut check: FileCheck) -> Found {
-        check.measured = self.options.align;
+        check.held_to = self.held_to();
         check.rename(self.name());
         let (units, alignment, oversize, map, errors) = (None, None, None, None, None);
-        Found { check, faults: Vec::new(), units, alignment, far: 0, oversize, map, errors }
+        let (faults, cut) = (Vec::new(), CutFindings::default());
+        Found { check, faults, cut, units, alignment, far: 0, oversize, map, errors }
     }
 
     /// A file as `witness` sees it, and the maps of its errors.
@@ -338,12 +390,13 @@ impl Verify<'_> {
                 });
             }
         });
-        check.measured = self.options.align;
+        check.held_to = self.held_to();
         check.rename(self.name());
         let map = self.options.align.then(|| map.finish());
         let errors = Some(errors.finish());
-        let About { faults, units, alignment, far, oversize } = about;
-        Found { check, faults, units: Some(units), alignment, far, oversize, map, errors }
+        let About { faults, cut, units, alignment, far, oversize } = about;
+        let units = Some(units);
+        Found { check, faults, cut, units, alignment, far, oversize, map, errors }
     }
 
     /// How a measured part is brought into the part frame.
@@ -360,6 +413,7 @@ impl Verify<'_> {
 /// What is known of a file before it is traced.
 struct About {
     faults: Vec<FileFault>,
+    cut: CutFindings,
     units: UnitFacts,
     alignment: Option<AlignmentFacts>,
     far: usize,

@@ -86,6 +86,7 @@ impl PointList {
             alignment,
             form_error_um,
             measured_form,
+            program: None,
             frame: None,
             sharpness,
             accepted: design.view.is_some().then(|| run.profile.acceptance_limits()),

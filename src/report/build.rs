@@ -160,6 +160,7 @@ impl Answer for VerifyReport {
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let mut rows = AnswerRows::of(&[layout, files, units, alignment, form_error_um]);
         self.measured_form.add_to(&mut rows);
+        self.program.add_to(&mut rows);
         plain_picture(trace, frame, accepted).add_to(&mut rows);
         design.least_error.add_to(&mut rows);
         design.straightness.add_to(&mut rows);

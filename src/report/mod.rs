@@ -21,6 +21,7 @@ mod meanings;
 mod measured;
 mod page;
 mod plot;
+mod program;
 mod render;
 mod replay;
 mod sharpness;

@@ -4,8 +4,8 @@ use super::Reason;
 use super::SharpnessFacts;
 use super::{AlignmentFacts, UnitFacts};
 use super::{
-    CavityFacts, DrawingFacts, FileFacts, HoleFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts,
-    SolidFacts, StepFacts, ToolFacts, TraceFacts, Verdict,
+    CavityFacts, DrawingFacts, FileFacts, HoleFacts, MeasuredForm, MeshFacts, ProfileId,
+    ProgramFacts, SagFacts, SolidFacts, StepFacts, ToolFacts, TraceFacts, Verdict,
 };
 use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
@@ -108,6 +108,9 @@ pub struct VerifyReport {
     /// What a list of points says of the form; absent of meshes and solids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured_form: Option<MeasuredForm>,
+    /// What a program cuts; absent of other files, and where it could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub program: Option<ProgramFacts>,
     /// The frame as the file shows it; absent where it could not be read.
     pub frame: Option<FrameFill>,
     /// Sharpness of the picture through a lens; absent where no pixel has a spot.

@@ -14,6 +14,7 @@ mod holes;
 mod inspection;
 mod machining;
 mod measured;
+mod program;
 mod reason;
 mod render;
 mod replay;
@@ -48,6 +49,7 @@ pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
 };
 pub use measured::{AlignmentFacts, UnitFacts};
+pub use program::{CutDeparture, ProgramFacts};
 pub use reason::{Reason, ReasonKind};
 pub use render::RenderReport;
 pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};

@@ -67,6 +67,48 @@ pub enum CuttingFault {
         /// Share of the face on which something is left, 0 to 1.
         share: f64,
     },
+    /// A rapid move goes through the part.
+    #[error("the rapid move of line {line} cuts the mirror at X {:.3}, Y {:.3} mm", at_mm[0], at_mm[1])]
+    Rapid {
+        /// Line of the program.
+        line: u32,
+        /// X and Y of a place that it cuts, mm.
+        at_mm: [f64; 2],
+    },
+    /// No move of a program cuts a place of the mirror.
+    #[error(
+        "no move of the program cuts the mirror at X {:.3}, Y {:.3} mm; the origin of its places must be on the part's base, \
+         below the camera's axis", at_mm[0], at_mm[1]
+    )]
+    Uncut {
+        /// X and Y, mm.
+        at_mm: [f64; 2],
+    },
+    /// No cutting move of a program is over the mirror.
+    #[error(
+        "no cutting move of the program is over the mirror; the origin of its places must be on the part's base, below the \
+         camera's axis"
+    )]
+    Elsewhere,
+    /// Lines of a program are too near each other for facets to follow.
+    #[error(
+        "the lines of the program are {apart_mm:.4} mm apart, and it takes {facets:.1e} facets to follow what they leave, over \
+         {most:.0e}; a part of the program, or one of parallel lines, takes fewer"
+    )]
+    Fine {
+        /// Mean distance of the lines, mm.
+        apart_mm: f64,
+        /// Facets that it takes.
+        facets: f64,
+        /// Most facets.
+        most: f64,
+    },
+    /// The face as cut has no facets.
+    #[error("the face as cut: {why}")]
+    Face {
+        /// Why.
+        why: String,
+    },
 }
 
 fn stepover(mm: Option<f64>) -> String {

@@ -19,6 +19,17 @@ use crate::trace::{
 use std::error::Error;
 use std::sync::Arc;
 
+/// What a file is held to beside what the profile accepts of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum HeldTo {
+    /// The design: the shape of its facets, and as much of the picture as is usual.
+    Design,
+    /// As much of the picture as is usual: a face as cut, which is rougher than any mesh.
+    Picture,
+    /// Nothing but what the profile names, or else its form: a measured part.
+    Form,
+}
+
 /// What the bytes of one file showed.
 pub(crate) struct FileCheck {
     /// The file.
@@ -27,8 +38,8 @@ pub(crate) struct FileCheck {
     pub format: FileFormat,
     /// Whether the bytes are others than were written.
     pub altered: bool,
-    /// Whether it is a measured part, which is judged by what it does and not by its facets.
-    pub measured: bool,
+    /// What it is held to.
+    pub held_to: HeldTo,
     /// The errors that it may have.
     pub promise: Promise,
     /// Why it could not be read, if so; then there is no more.
@@ -55,9 +66,25 @@ impl FileCheck {
             file,
             format: format.into(),
             altered: false,
-            measured: false,
+            held_to: HeldTo::Design,
             promise,
             unreadable: Some(error.to_string()),
+            trace: None,
+            by_rim: 0,
+            frame: None,
+            scene: None,
+        }
+    }
+
+    /// Of a file that was read, and shows nothing to trace.
+    pub(crate) fn untraced(file: FileFacts, promise: Promise) -> Self {
+        Self {
+            file,
+            format: MeshFormat::Obj.into(),
+            altered: false,
+            held_to: HeldTo::Picture,
+            promise,
+            unreadable: None,
             trace: None,
             by_rim: 0,
             frame: None,
@@ -187,7 +214,7 @@ impl FileTrace<'_> {
             file,
             format,
             altered: false,
-            measured: false,
+            held_to: HeldTo::Design,
             promise: self.promise,
             unreadable: None,
             trace: Some(trace),

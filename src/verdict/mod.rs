@@ -3,13 +3,15 @@
 mod cutter_survey;
 mod file_check;
 mod plan_edge;
+mod program_cut;
 mod remedy;
 pub(crate) mod sharpness;
 mod vertex_check;
 
 pub(crate) use cutter_survey::CutterSurvey;
 pub use cutter_survey::MachiningOptions;
-pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, expected_rays};
+pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, HeldTo, expected_rays};
+pub(crate) use program_cut::ProgramCut;
 pub(crate) use remedy::filling;
 
 use crate::align::FormError;
@@ -72,7 +74,8 @@ impl Findings {
         remedy::add(profile, design, &mut reasons);
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
         let frame = checks.iter().find_map(|check| check.frame.clone());
-        let held = design.view.is_some() && checks.iter().all(|check| !check.measured);
+        let held =
+            design.view.is_some() && checks.iter().all(|check| check.held_to != HeldTo::Form);
         let accepted = held.then(|| profile.acceptance_limits());
         let (files, trace): (Vec<_>, Vec<_>) =
             checks.into_iter().map(|check| (check.file, check.trace)).unzip();
@@ -85,14 +88,14 @@ impl Findings {
 fn of_file(profile: &Profile, design: &Design, check: &FileCheck) -> Vec<Reason> {
     let mut reasons: Vec<Reason> = bytes(check).map(Reason::from).collect();
     if let Some(trace) = &check.trace {
-        if !check.measured {
+        if check.held_to == HeldTo::Design {
             reasons.extend(shape(design, check, trace).into_iter().map(Reason::from));
         }
         reasons.extend(rays(trace, check.by_rim).map(Reason::from));
         reasons.extend(limits(profile, check, trace).map(Reason::from));
     }
     // A scan may be of a piece; what it is not held to by name, its form answers for.
-    let held = |bound: &AcceptanceLimit| !(bound.usual && check.measured);
+    let held = |bound: &AcceptanceLimit| !(bound.usual && check.held_to == HeldTo::Form);
     let least = Some(profile.acceptance_limits().frame_filled).filter(held);
     if let (Some(frame), Some(least)) = (&check.frame, least) {
         reasons.extend(unfilled(frame, LeastFilled::Accepted(least)).map(Reason::from));
@@ -205,7 +208,7 @@ fn limits<'a>(
 ) -> impl Iterator<Item = PictureFault> + use<'a> {
     let errors = &trace.errors;
     let pixel = errors.pixel_error_px;
-    let is_made = !check.measured;
+    let is_made = check.held_to != HeldTo::Form;
     // A measured part's slopes are judged by the picture, not by the limit for facets.
     let facet = errors.facet_error_px.filter(|_| is_made).map(|e| e.max);
     let facet = facet.and_then(|found_px| {

@@ -16,6 +16,8 @@ mod obj;
 mod points;
 #[path = "../../fuzz/properties/profile.rs"]
 mod profile;
+#[path = "../../fuzz/properties/program.rs"]
+mod program;
 #[path = "../../fuzz/properties/step.rs"]
 mod step;
 #[path = "../../fuzz/properties/stl.rs"]
@@ -79,6 +81,11 @@ fn step_files_of_the_fuzzer_are_solids_or_refused() {
 #[test]
 fn points_of_the_fuzzer_are_aligned_or_refused() {
     replay("points", points::holds);
+}
+
+#[test]
+fn programs_of_the_fuzzer_are_moves_or_refused() {
+    replay("program", program::holds);
 }
 
 #[test]

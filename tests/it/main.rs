@@ -47,6 +47,7 @@ mod part;
 mod part_refusals;
 mod profile_checks;
 mod profile_combinations;
+mod program;
 mod proof;
 mod radial_tables;
 mod random_profiles;

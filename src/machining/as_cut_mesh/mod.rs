@@ -30,7 +30,7 @@ pub fn facet_estimate(outlines: &[Vec<Polygon>], raster: &BallRaster, along_mm: 
     2.0 * face / (along_mm * raster.stepover_mm / ROWS as f64)
 }
 
-/// The as-cut face: facets counter-clockwise from above.
+/// The as-cut face of `passes`: facets counter-clockwise from above.
 ///
 /// # Errors
 /// [`MachiningError::Uncut`] where no pass comes.
@@ -39,7 +39,26 @@ pub fn as_cut_face(
     passes: &Passes,
     along_mm: f64,
 ) -> Result<TriMesh, MachiningError> {
-    let raster = passes.raster();
+    let height = |at| passes.height(at);
+    face_of_cut(outlines, passes.raster(), along_mm, &height, |corners| {
+        let cusps = Cusps::new(passes, corners, along_mm);
+        move |x, y| cusps.snap(x, y)
+    })
+}
+
+/// The as-cut face of any surface of which `height` is Z, mm, on a lattice of [`ROWS`] rows to a stepover of `raster` along
+/// its lines: facets counter-clockwise from above. What `snapping` makes of the corners of the face, x along the lines and y
+/// across them, tells where y of a place of the lattice goes.
+///
+/// # Errors
+/// [`MachiningError::Uncut`] where there is no height.
+pub fn face_of_cut<S: Fn(f64, f64) -> f64>(
+    outlines: &[Vec<Polygon>],
+    raster: BallRaster,
+    along_mm: f64,
+    height: &(dyn Fn(DVec2) -> Option<f64> + Sync),
+    snapping: impl FnOnce([DVec2; 2]) -> S,
+) -> Result<TriMesh, MachiningError> {
     let (along, across) = (raster.along(), raster.along().perp());
     let turned = |p: &DVec2| DVec2::new(p.dot(along), p.dot(across));
     let mut panels: Vec<Vec<Polygon>> = outlines
@@ -49,15 +68,15 @@ pub fn as_cut_face(
     let rows = LatticeRows::new(&mut panels, raster.stepover_mm / ROWS as f64);
     let places: Vec<Vec<f64>> = (0..rows.y.len()).map(|k| rows.places(k, along_mm)).collect();
     let triangles = triangles(&rows, &places);
-    let cusps = Cusps::new(passes, bounding_corners(&panels), along_mm);
+    let snap = snapping(bounding_corners(&panels));
     let levels = rows.y.iter().zip(&places);
     let straight: Vec<f64> = levels.flat_map(|(&y, line)| vec![y; line.len()]).collect();
     let mut y: Vec<f64> =
-        (0..rows.y.len()).flat_map(|k| snapped(&rows, k, &places[k], &cusps)).collect();
+        (0..rows.y.len()).flat_map(|k| snapped(&rows, k, &places[k], &snap)).collect();
     let x = places.concat();
     straighten(&x, &straight, &mut y, &triangles);
     let place = |k: usize| along * x[k] + across * y[k] + DVec2::ZERO;
-    let heights = parallel::map(x.len(), 1, |k| passes.height(place(k)));
+    let heights = parallel::map(x.len(), 1, |k| height(place(k)));
     let vertex = |(k, height): (usize, Option<f64>)| {
         let at = place(k);
         height.map(|z| at.extend(z)).ok_or(MachiningError::Uncut { at })
@@ -89,10 +108,15 @@ fn triangles(rows: &LatticeRows, places: &[Vec<f64>]) -> Vec<[u32; 3]> {
 }
 
 /// y of the places of row `k`, snapped onto the cusps but where sides of strips meet it.
-fn snapped(rows: &LatticeRows, k: usize, places: &[f64], cusps: &Cusps) -> Vec<f64> {
+fn snapped(
+    rows: &LatticeRows,
+    k: usize,
+    places: &[f64],
+    snap: &impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
     let (y, fixed) = (rows.y[k], rows.fixed(k));
     let stays = |x: f64| !rows.free[k] || fixed.binary_search_by(|at| at.total_cmp(&x)).is_ok();
-    places.iter().map(|&x| if stays(x) { y } else { cusps.snap(x, y) }).collect()
+    places.iter().map(|&x| if stays(x) { y } else { snap(x, y) }).collect()
 }
 
 /// Triangulates a strip between two lines of vertices, each the number of its first and their x, by

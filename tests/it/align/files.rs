@@ -60,8 +60,10 @@ fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
 fn look(file: &Path, limits: [f64; 2], units: Option<LengthUnit>, aligned: bool) -> VerifyReport {
     let folder = file.parent().unwrap();
     let source = load(profile(folder, limits).to_str().unwrap()).unwrap();
-    let verify =
-        Verify { path: file, options: VerifyOptions { units, align: aligned, probe_mm: None } };
+    let verify = Verify {
+        path: file,
+        options: VerifyOptions { units, align: aligned, ..VerifyOptions::default() },
+    };
     let report = match aligned {
         true => verify.publish(&source, &folder.join("made"), &Silent),
         false => verify.in_memory(&source, &Silent).map(|(report, _)| report),

@@ -36,6 +36,7 @@ const TABLE: &[(&str, &[&str])] = &[
         "tolerance",
         &["tolerance_terms", "profile", "mirror", "optics", "trace", "geom", "num", "parallel"],
     ),
+    ("program", &["geom", "num", "parallel"]),
     ("inspection", &["tolerance", "align", "mirror", "geom", "num", "parallel"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num", "parallel"]),
     ("pencil", &["mirror", "optics", "geom", "num", "parallel"]),

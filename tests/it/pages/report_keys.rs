@@ -209,6 +209,12 @@ fn hold(page: &str, headings: &[&str], values: &[Value]) {
     assert!(idle.is_empty(), "{headings:?} have rows for {idle:?}, which no run wrote");
 }
 
+/// A program that cuts a plane over the small mirror.
+fn plane() -> String {
+    let line = |y: i32| format!("G0 X-10 Y{y}\nG1 Z12 F500\nX10\nG0 Z30\n");
+    std::iter::once("G0 Z30\n".to_owned()).chain((-8..=8).map(line)).collect()
+}
+
 #[test]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
@@ -233,6 +239,8 @@ fn the_page_of_reports_has_every_key() {
     runs.printed("inspect all.toml");
     let points = "verify out/all/inspection.csv --profile all.toml --align --probe-mm 0.001";
     reports.push(runs.printed(points));
+    std::fs::write(runs.path("plane.nc"), plane()).unwrap();
+    reports.push(runs.printed("verify plane.nc --profile all.toml --ball-mm 4"));
     let headings = ["## `report.json` of a build", "## `report.json` of a verified file"];
     hold(REPORT, &headings, &reports);
     hold(REPORT, &["## `timings.json`"], &[runs.file("out/all/timings.json")]);

@@ -1,0 +1,54 @@
+//! Programs of numerical control.
+
+use morion::internals::geom::DVec2;
+use morion::internals::program::{SweptBall, ToolMove, ToolPath};
+
+/// Moves of which the surface is compared with a search among all of them.
+const MOST: usize = 500;
+
+pub fn holds(bytes: &[u8]) {
+    let path = match ToolPath::read(bytes) {
+        Ok(path) => path,
+        Err(error) => {
+            let said = error.to_string();
+            assert!(!said.chars().any(char::is_control), "{said:?}");
+            return;
+        }
+    };
+    let is_finite = |step: &ToolMove| step.from.is_finite() && step.to.is_finite();
+    assert!(path.moves.iter().all(is_finite));
+    assert!(path.moves.iter().all(|step| step.feed.is_none_or(|feed| feed > 0.0)));
+    assert!(path.moves.windows(2).all(|pair| pair[0].line <= pair[1].line));
+    assert!(path.moves.iter().all(|step| (1..=path.lines).contains(&step.line)));
+    let moves = &path.moves[..path.moves.len().min(MOST)];
+    let plain = again(moves);
+    // (Numbers next to nothing take hundreds of digits.)
+    if !plain.is_empty() && plain.lines().all(|line| line.len() <= 255) {
+        let ends = |moves: &[ToolMove]| -> Vec<_> {
+            let cuts = moves.iter().filter(|step| step.feed.is_some());
+            cuts.map(|step| (step.from, step.to)).collect()
+        };
+        let read = ToolPath::read(plain.as_bytes()).expect("moves that were read");
+        assert_eq!(ends(&read.moves), ends(moves));
+    }
+    let swept = SweptBall::new(moves, 2.0, [DVec2::splat(-10.0), DVec2::splat(10.0)]);
+    for k in 0..64 {
+        let at = DVec2::new(f64::from(k % 8), f64::from(k / 8)) * 2.5 - 9.0;
+        let of = |step: usize| swept.of_step(step, at).map(|(z, _)| z);
+        let least = (0..moves.len()).filter_map(of).reduce(f64::min);
+        assert_eq!(swept.lowest(at).map(|found| found.z_mm), least, "{at}");
+    }
+}
+
+/// The same cuts, each from where it begins, in plain words.
+fn again(moves: &[ToolMove]) -> String {
+    let line = |step: &ToolMove| {
+        let (from, to) = (step.from, step.to);
+        let feed = step.feed?;
+        Some(format!(
+            "G0 X{} Y{} Z{}\nG1 X{} Y{} Z{} F{feed}\n",
+            from.x, from.y, from.z, to.x, to.y, to.z
+        ))
+    };
+    moves.iter().filter_map(line).collect()
+}

@@ -1,0 +1,37 @@
+//! What a program cuts, in answers.
+
+use super::answer::{AnswerRows, ToRows};
+use crate::results::{CutDeparture, ProgramFacts, three_digits};
+
+impl ToRows for ProgramFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { ball_mm, lines, moves, cutting_mm, rapid_mm, cutting_min, .. } = self;
+        rows.add(
+            "program",
+            format!(
+                "{lines} lines, {:.2} m of cuts, {} min at the feeds alone; cut by a ball of {ball_mm} mm radius",
+                1e-3 * cutting_mm,
+                three_digits(*cutting_min)
+            ),
+        );
+        let depth = |CutDeparture { off_um, at_mm: [x, y, _], line }: &CutDeparture| {
+            format!("{} um at X {x:.3}, Y {y:.3} (line {line})", three_digits(*off_um))
+        };
+        rows.add("left", format!("{} at most", depth(&self.highest)));
+        rows.add("least left", depth(&self.lowest));
+        let Self { apart_mm, angle_deg, parallel, optical_triangles, .. } = self;
+        rows.details(|rows| {
+            rows.add(
+                "lines",
+                format!(
+                    "{} mm apart in the mean, {angle_deg:.2} deg from X ({:.0} % agree)",
+                    three_digits(*apart_mm),
+                    100.0 * parallel
+                ),
+            );
+            let moves = format!("{moves} straight moves; {:.2} m of rapid ones", 1e-3 * rapid_mm);
+            rows.add("moves", moves);
+            rows.add("as cut", format!("{optical_triangles} optical triangles"));
+        });
+    }
+}

@@ -1,0 +1,188 @@
+//! Programs of any making, read, cut and traced: what they leave is what the ball cutter's study foresees, and what would
+//! spoil a part is found.
+
+use crate::support::builds::{SMALL, edited, folder, morion, parsed, save, told};
+use crate::support::{designed, shipped};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::pipeline::{Command, MachiningOptions, Silent, Verify, VerifyOptions};
+use morion::internals::profile::Profile;
+use morion::internals::results::{CuttingFault, FileFault, ReasonKind, Verdict, VerifyReport};
+use std::fmt::Write;
+
+/// Tip of a ball that touches the mirror over a place of the plan, mm; none beyond the mirror.
+fn tip(design: &Design, at: DVec2, ball_mm: f64) -> Option<DVec3> {
+    let mirror = &design.mirror;
+    let (q, _) = mirror.chart.coordinates(at.extend(mirror.chart.plane_mm));
+    let near = mirror.full_outline().nearest(q);
+    let z_mm = mirror.position(near, &mirror.at(near)).z;
+    let place = mirror.local_surface_over(at, z_mm)?;
+    Some(place.at + ball_mm * (place.normal() - DVec3::Z))
+}
+
+/// A program of lines along X, half a stepover off the axis, there and back, each from beyond one side of the mirror to beyond
+/// the other.
+fn raster(design: &Design, ball_mm: f64, stepover_mm: f64) -> String {
+    let half = 0.5 * design.plan_bounds().size();
+    let lines = (half.y / stepover_mm).ceil() as i32 + 1;
+    // Chords much shorter than lines are apart, so that the cut along them is smooth.
+    let steps = (6.0 * half.x / stepover_mm).ceil() as i32 + 4;
+    let safe = design.mounting.size_mm[2] + 5.0;
+    let mut text = format!("(a raster)\nG21 G90 G17 G94\nM3 S12000\nG0 Z{safe:.4}\n");
+    for k in -lines..lines {
+        let y = (f64::from(k) + 0.5) * stepover_mm;
+        let x = |n: i32| half.x * (f64::from(2 * n) / f64::from(steps) - 1.0) * 1.03;
+        let line = (0..=steps).map(|n| DVec2::new(x(if k % 2 == 0 { n } else { steps - n }), y));
+        let tips: Vec<DVec3> = line.filter_map(|at| tip(design, at, ball_mm)).collect();
+        let [Some(first), Some(last)] = [tips.first(), tips.last()] else { continue };
+        writeln!(text, "G0 X{:.4} Y{:.4}\nG1 Z{:.4} F200", first.x, first.y, first.z).unwrap();
+        for tip in &tips {
+            writeln!(text, "X{:.4} Y{:.4} Z{:.4} F900", tip.x, tip.y, tip.z).unwrap();
+        }
+        writeln!(text, "G0 X{:.4} Y{:.4} Z{safe:.4}", last.x, last.y).unwrap();
+    }
+    text + "M30\n"
+}
+
+fn verified(profile: &Profile, program: &str, ball_mm: f64) -> VerifyReport {
+    let folder = folder();
+    let path = folder.path().join("part.ngc");
+    std::fs::write(&path, program).unwrap();
+    let options = VerifyOptions { ball_mm: Some(ball_mm), ..VerifyOptions::default() };
+    let verify = Verify { path: &path, options };
+    verify.in_memory(profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+/// The slopes of what a program leaves displace the picture as the study of its raster says, within 2 %, and its depth is that
+/// of the scallops.
+#[test]
+fn a_raster_cuts_what_machining_foresees() {
+    for (name, stepover_mm) in [("conquistador", 0.4), ("panoramic", 0.3), ("hyperbolic", 0.4)] {
+        let profile = shipped(name);
+        let design = designed(&profile);
+        let ball_mm = 3.0;
+        let found = verified(&profile, &raster(&design, ball_mm, stepover_mm), ball_mm);
+        let options = MachiningOptions {
+            ball_mm,
+            stepover_mm: Some(stepover_mm),
+            angle_deg: Some(0.0),
+            ..MachiningOptions::default()
+        };
+        let foreseen = options.in_memory(&profile, &Silent).unwrap().0;
+        let [cut, study] = [&found.trace[0], &foreseen.as_cut.as_ref().unwrap().trace]
+            .map(|trace| trace.errors.facet_error_px.unwrap().rms);
+        assert!((cut / study - 1.0).abs() < 0.02, "{name}: {cut} px, foreseen {study} px");
+        let facts = found.program.unwrap();
+        assert!((facts.apart_mm / stepover_mm - 1.0).abs() < 0.1, "{name}: {facts:?}");
+        assert!(facts.parallel > 0.98 && facts.cutting_min > 1.0, "{name}: {facts:?}");
+        // Numbers of four decimals, and chords as long as a stepover between them.
+        assert!(facts.lowest.off_um > -3.0, "{name}: {:?}", facts.lowest);
+        assert_eq!(found.files[0].format, "ngc");
+        // Slopes of scallops at the rim turn some rays into the mirror.
+        let trace = &found.trace[0];
+        let share = trace.hit as f64 / trace.rays as f64;
+        assert!(trace.missed == 0 && share > 0.999, "{name}: {trace:?}");
+    }
+}
+
+/// The small conquistador, held to what a cutter leaves.
+fn rough() -> String {
+    edited(
+        SMALL,
+        &[
+            ("pixel_error_rms_px = 2", "pixel_error_rms_px = 4"),
+            ("pixel_error_max_px = 5", "pixel_error_max_px = 12"),
+        ],
+    )
+}
+
+fn small() -> (Profile, Design, String) {
+    let profile = parsed(&rough());
+    let design = designed(&profile);
+    let program = raster(&design, 1.5, 0.12);
+    (profile, design, program)
+}
+
+fn cutting(report: &VerifyReport) -> Vec<&CuttingFault> {
+    let kinds = report.reasons.iter().map(|reason| &reason.kind);
+    kinds
+        .filter_map(|kind| match kind {
+            ReasonKind::Cutting(fault) => Some(fault),
+            _ => None,
+        })
+        .collect()
+}
+
+/// A digit of one place is another: the program no longer passes, and the figures tell the line.
+#[test]
+fn a_program_damaged_by_a_digit_fails() {
+    let (profile, _, program) = small();
+    let sound = verified(&profile, &program, 1.5);
+    assert_eq!(sound.verdict, Verdict::Pass, "{:?}", sound.reasons);
+    let lines: Vec<&str> = program.lines().collect();
+    let is_inside = |line: &str| line.starts_with("X0.") && line.contains(" Z");
+    let middle = (lines.len() / 2..).find(|&k| is_inside(lines[k])).unwrap();
+    let (number, line) = (middle..).find_map(|k| Some((k, lines[k].split_once(" Z")?))).unwrap();
+    let (z, rest) = line.1.split_once(' ').unwrap();
+    let lower = z.parse::<f64>().unwrap() - 1.0;
+    let mut damaged: Vec<String> = lines.iter().map(|&line| line.to_owned()).collect();
+    damaged[number] = format!("{} Z{lower:.4} {rest}", line.0);
+    let found = verified(&profile, &damaged.join("\n"), 1.5);
+    assert_eq!(found.verdict, Verdict::Fail);
+    let lowest = found.program.unwrap().lowest;
+    // Lower by a millimetre, less the slope there.
+    assert!(lowest.off_um < -300.0, "{lowest:?}");
+    // The move to that place or from it.
+    assert!(lowest.line.abs_diff(number as u32 + 1) <= 1, "{lowest:?}, damaged {}", number + 1);
+}
+
+#[test]
+fn what_would_spoil_the_part_is_named() {
+    let (profile, _, program) = small();
+    // A rapid move to the next line through the mirror instead of over it.
+    let low = program.replacen("G0 X", "G0 Z1\nG0 X", 40);
+    let found = verified(&profile, &low, 1.5);
+    assert!(matches!(cutting(&found)[..], [CuttingFault::Rapid { .. }]), "{:?}", found.reasons);
+    // Half of the lines.
+    let half: String =
+        program.lines().take(program.lines().count() / 2).map(|l| format!("{l}\n")).collect();
+    let found = verified(&profile, &half, 1.5);
+    assert!(matches!(cutting(&found)[..], [CuttingFault::Uncut { .. }]), "{:?}", found.reasons);
+    let beside = "G0 Z20\nG0 X100 Y100\nG1 Z1 F100\nX110\n";
+    let found = verified(&profile, beside, 1.5);
+    assert_eq!(cutting(&found), [&CuttingFault::Elsewhere], "{:?}", found.reasons);
+    // What is not known is not skipped.
+    let unknown = program.replacen("G0 X", "G81 X", 1);
+    let found = verified(&profile, &unknown, 1.5);
+    let told: Vec<String> = found.reasons.iter().map(|reason| reason.to_string()).collect();
+    assert!(told[0].contains("line 5: G81 is no word that is known here"), "{told:?}");
+    assert!(matches!(found.reasons[0].kind, ReasonKind::File(FileFault::Unreadable(_))));
+}
+
+#[test]
+fn the_command_takes_a_program_with_its_ball() {
+    let (_, _, program) = small();
+    let folder = folder();
+    save(folder.path(), &rough());
+    std::fs::write(folder.path().join("part.nc"), program).unwrap();
+    let at = |rest: &[&str]| {
+        let mut args = vec!["verify", "part.nc", "--profile", "small.toml"];
+        args.extend(rest);
+        told(&morion(folder.path(), &args))
+    };
+    let (code, _, said) = at(&[]);
+    assert_eq!(code, 2);
+    assert!(said.contains("give --ball-mm, the radius of the ball whose tip it moves"), "{said}");
+    let (code, _, said) = at(&["--ball-mm", "1.5", "--align"]);
+    assert!(code == 2 && said.contains("--align must be left out for a program"), "{said}");
+    let (code, out, said) = at(&["--ball-mm", "1.5", "--out", "made"]);
+    assert_eq!(code, 0, "{said}{out}");
+    assert!(out.contains("cut by a ball of 1.5 mm radius"), "{out}");
+    let report = std::fs::read(folder.path().join("made/small-verify/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert_eq!(report["program"]["ball_mm"], 1.5);
+    let args = ["verify", "small.stl", "--profile", "small.toml", "--ball-mm", "1.5"];
+    std::fs::write(folder.path().join("small.stl"), "solid").unwrap();
+    let (code, _, said) = told(&morion(folder.path(), &args));
+    assert!(code == 2 && said.contains("--ball-mm must be left out but for a program"), "{said}");
+}
