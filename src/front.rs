@@ -5,13 +5,14 @@
 
 use crate::pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Error, FrameOptions, InspectOptions,
-    MachiningOptions, RenderOptions, ReplayOptions, Silent, ToleranceOptions, Unwrap,
-    UnwrapOptions, Verify, VerifyOptions, dry_run,
+    MachiningOptions, ProgramOptions, RenderOptions, ReplayOptions, Silent, ToleranceOptions,
+    Unwrap, UnwrapOptions, Verify, VerifyOptions, dry_run,
 };
 use crate::profile::Profile;
 use crate::results::{
     BlurReport, BuildForecast, BuildReport, DrawingReport, FrameReport, InspectionReport,
-    MachiningReport, RenderReport, ReplayReport, ToleranceReport, UnwrapReport, VerifyReport,
+    MachiningReport, ProgramReport, RenderReport, ReplayReport, ToleranceReport, UnwrapReport,
+    VerifyReport,
 };
 use std::path::Path;
 
@@ -189,6 +190,23 @@ pub fn unwrap(
 /// [`enum@Error`] as of [`build`], and where no raster keeps the budget.
 pub fn machining(profile: &Profile, out: impl AsRef<Path>) -> Result<MachiningReport, Error> {
     MachiningOptions::default().publish(profile, out.as_ref(), &Silent)
+}
+
+/// Writes the programs that mill the mirror as `[program]` of the profile asks, reads them back, cuts a block with them and traces
+/// what the last of them leaves, into `out/NAME/program`.
+///
+/// ```
+/// # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+/// # let out = tempfile::tempdir()?;
+/// let report = morion::program(&profile, &out)?;
+/// println!("{:.0} minutes on the machine", report.machine_min);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`enum@Error`] as of [`build`], and where the ball does not fit.
+pub fn program(profile: &Profile, out: impl AsRef<Path>) -> Result<ProgramReport, Error> {
+    ProgramOptions.publish(profile, out.as_ref(), &Silent)
 }
 
 /// Studies the tolerances that the profile names by 2000 trials, into `out/NAME`.

@@ -38,6 +38,9 @@ pub mod machining {
 pub mod mesh {
     pub use crate::mesh::*;
 }
+pub mod milling {
+    pub use crate::milling::*;
+}
 pub mod mirror {
     pub use crate::mirror::*;
 }

@@ -9,7 +9,7 @@
 //! [`build`] does it all, into a folder, and says *pass* or *fail* with reasons; its siblings are [`verify`] (a
 //! mesh file of any making), [`frame`] (how well the sensor is filled), [`blur`], [`render`] (what the camera
 //! sees), [`unwrap`] (a photo to a panorama), [`tolerance`] and [`replay`] (errors of making and mounting),
-//! [`machining`] (a ball cutter), [`inspect`] (a measuring machine), [`drawing`] (the sheet that a shop signs) and [`forecast`].
+//! [`machining`] (a ball cutter), [`program`] (programs that mill it), [`inspect`] (a measuring machine), [`drawing`] (the sheet that a shop signs) and [`forecast`].
 //!
 //! ```
 //! # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
@@ -80,6 +80,7 @@ mod inspection;
 pub mod internals;
 mod machining;
 mod mesh;
+mod milling;
 mod mirror;
 mod num;
 mod optics;
@@ -107,23 +108,23 @@ mod verdict;
 pub use design::{Design, DesignError};
 pub use export::Label;
 pub use front::{
-    blur, build, drawing, forecast, frame, inspect, machining, render, replay, tolerance, unwrap,
-    verify,
+    blur, build, drawing, forecast, frame, inspect, machining, program, render, replay, tolerance,
+    unwrap, verify,
 };
 pub use mesh::{Face, MeshError};
 pub use pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Effort, Error, FrameOptions,
-    InspectOptions, MachiningOptions, MapFormat, Observer, OutputFile, RenderOptions,
-    ReplayOptions, Silent, SourceError, Stage, ToleranceOptions, Unwrap, UnwrapOptions, Verify,
-    VerifyOptions,
+    InspectOptions, MachiningOptions, MapFormat, Observer, OutputFile, ProgramOptions,
+    RenderOptions, ReplayOptions, Silent, SourceError, Stage, ToleranceOptions, Unwrap,
+    UnwrapOptions, Verify, VerifyOptions,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};
 pub use results::{
     BlurReport, BuildForecast, BuildReport, CuttingFault, DrawingFacts, DrawingReport, FileFault,
     FrameReport, InspectionReport, LeastFilled, MachiningReport, PictureFault, PixelErrorFigure,
-    RayFault, Reason, ReasonKind, Refusal, RefusalCause, RenderReport, ReplayFault, ReplayReport,
-    ShapeFault, StudyFault, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
+    ProgramReport, RayFault, Reason, ReasonKind, Refusal, RefusalCause, RenderReport, ReplayFault,
+    ReplayReport, ShapeFault, StudyFault, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
 };
 pub use solid::{Solid, SolidError};
 

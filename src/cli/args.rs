@@ -52,6 +52,8 @@ pub(super) enum CommandArg {
     Tolerance(ToleranceArgs),
     /// What a ball cutter makes of the mirror: fit, scallops, pixels, and the as-cut part, into DIR/NAME/
     Machining(MachiningArgs),
+    /// Programs that mill the mirror, read back, cut and traced: what comes off the machine, into DIR/NAME/program/
+    Program(ProgramArgs),
     /// Plan the points of a coordinate measuring machine: a table and a program, into DIR/NAME/
     Inspect(InspectArgs),
     /// The drawing of the part that a shop signs, as PDF and DXF, into DIR/NAME/
@@ -264,6 +266,16 @@ pub(super) struct InspectArgs {
 #[derive(Debug, Args)]
 pub(super) struct DrawingArgs {
     /// Profile file, or name of a shipped profile
+    pub profile: String,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion program`.
+#[derive(Debug, Args)]
+pub(super) struct ProgramArgs {
+    /// Profile file, or name of a shipped profile; its [program] tells stock, cutters and machine
     pub profile: String,
     /// Folder for results
     #[arg(long, value_name = "DIR", default_value = "out")]

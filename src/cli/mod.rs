@@ -14,7 +14,8 @@ mod styles;
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
 use crate::pipeline::{
-    Command, DrawingOptions, ToleranceOptions, TrialsPart, check, dry_run, load, merge,
+    Command, DrawingOptions, ProgramOptions, ToleranceOptions, TrialsPart, check, dry_run, load,
+    merge,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, TextLayout, visible};
@@ -104,6 +105,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Tolerance(args) => terminal.tolerance(args),
         CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Program(args) => terminal.publish(&ProgramOptions, &args.profile, &args.out),
         CommandArg::Inspect(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Drawing(args) => terminal.publish(&DrawingOptions, &args.profile, &args.out),
         CommandArg::Bench(args) => terminal.bench(args),

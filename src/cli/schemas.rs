@@ -6,8 +6,8 @@ use crate::pipeline::{BuildTimings, Timings};
 use crate::results::{
     BlurReport, BuildForecast, BuildReport, DrawingReport, ErrorLine, FrameReport,
     InspectionReport, MachiningReport, NamedOutput, PartTrials, PoseFile, ProfileCheck,
-    RenderReport, ReplayReport, SCHEMA, ShippedProfile, ToleranceReport, UnwrapReport,
-    VerifyReport,
+    ProgramReport, RenderReport, ReplayReport, SCHEMA, ShippedProfile, ToleranceReport,
+    UnwrapReport, VerifyReport,
 };
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
@@ -53,6 +53,7 @@ fn all() -> Vec<Output> {
             "morion tolerance (the file alone)",
         ),
         output::<MachiningReport>("machining", "machining.json", "morion machining"),
+        output::<ProgramReport>("program", "program.json", "morion program"),
         output::<InspectionReport>("inspect", "inspection.json", "morion inspect"),
         output::<DrawingReport>("drawing", "drawing.json", "morion drawing"),
         Output { version: bench::SCHEMA, ..bench },

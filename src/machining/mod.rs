@@ -28,9 +28,10 @@ mod surface_analysis;
 pub use as_cut_mesh::{
     ROWS, as_cut_face, bounding_corners, face_of_cut, facet_estimate, plan_outlines,
 };
+pub use drop_cutter::surface_on_face;
 pub use fillet::{Fillet, clears_ridge, fillet_foot};
 pub use gouge::{FLOOR_MM, Gouge};
-pub use passes::{MOST_POINTS, Passes};
+pub use passes::{BallPath, BallPaths, MOST_POINTS, Passes};
 pub use scallop::{BallRaster, Scallop};
 pub use surface_analysis::{Extreme, RasterDirection, ScallopFigures, SurfaceAnalysis};
 

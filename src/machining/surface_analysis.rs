@@ -205,6 +205,19 @@ impl<'a> SurfaceAnalysis<'a> {
         Some((raster.stepover_mm * budget_px / p95).min(self.widest_mm(raster)))
     }
 
+    /// The stepover at which the root mean square of the displacements and their largest are within two limits, px, mm: no more than
+    /// the ball allows. None without a projection.
+    #[must_use]
+    pub fn stepover_for_limits(
+        &self,
+        raster: &BallRaster,
+        [rms_px, max_px]: [f64; 2],
+    ) -> Option<f64> {
+        let found = spread(self.displacements(raster))?;
+        let share = (rms_px / found.rms).min(max_px / found.max);
+        Some((raster.stepover_mm * share).min(self.widest_mm(raster)))
+    }
+
     /// The largest stepover whose scallops are no higher than `height_mm` anywhere, mm; no more than the
     /// ball allows.
     #[must_use]

@@ -6,6 +6,7 @@ use crate::align::AlignError;
 use crate::design::DesignError;
 use crate::export::step::FitError;
 use crate::machining::MachiningError;
+use crate::milling::MillingError;
 use crate::part::FaceError;
 use crate::profile::{MeshFormat, Profile};
 use crate::publish::FileError;
@@ -71,6 +72,14 @@ pub enum Error {
         profile: String,
         /// Why.
         source: MachiningError,
+    },
+    /// The mirror cannot be milled so.
+    #[error("cannot program {profile}: {source}")]
+    Milling {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        source: MillingError,
     },
     /// Symmetry is no shortcut for this mirror: a fault of the program.
     #[error(

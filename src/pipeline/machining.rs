@@ -1,12 +1,10 @@
 //! `morion machining`: what a ball cutter makes of a profile's mirror: the survey, the map of where the ball
 //! does not fit, and the as-cut part, written, read back and traced.
 
-use super::check_file::{MeshSource, check_file};
-use super::mesh_files::labelled;
+use super::as_cut::{FILE, written_as_cut};
 use super::run::{Command, Run};
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::export::stl_bytes;
 use crate::geom::TriMesh;
 use crate::machining::{
     self, BallRaster, MOST_POINTS, MachiningError, Passes, ROWS, SurfaceAnalysis, bounding_corners,
@@ -14,12 +12,10 @@ use crate::machining::{
 };
 use crate::mirror::Mirror;
 use crate::num::rounding::ceil_two_digits;
-use crate::part::{Promise, codec};
-use crate::profile::{MeshFormat, Profile};
+use crate::profile::Profile;
 use crate::raster::EncodingError;
 use crate::report::{Answer, gouge_map};
 use crate::results::{AsCutFacts, FileFacts, MachiningReport, RayFault, Reason, ShapeFault};
-use crate::solid::Solid;
 use crate::verdict::{self, CutterSurvey, FileCheck, MachiningOptions};
 
 /// The most facets of an as-cut face: an STL of 200 MB.
@@ -28,8 +24,6 @@ const MOST_FACETS: f64 = 4e6;
 const LARGEST: f64 = 10.0;
 /// What chords along the lines may add to the slopes of the scallops.
 const ALONG: f64 = 0.3;
-const FILE: &str = "as-cut.stl";
-const FORMAT: MeshFormat = MeshFormat::Stl;
 
 fn refused(profile: &Profile, source: MachiningError) -> Error {
     Error::Machining { profile: profile.name.clone(), source }
@@ -151,26 +145,9 @@ fn check_as_cut(
     survey: &mut CutterSurvey,
 ) -> Result<(), Error> {
     let optical_triangles = mesh.triangles.len();
-    let solid = run.stage(Stage::Solid, || close(run.profile, design, mesh))?;
-    run.files.ensure_space(stl_bytes(solid.mesh().triangles.len()))?;
     let raster = &survey.raster;
-    let as_cut = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);
-    let label = labelled(design, as_cut);
-    run.write(FILE, |out| codec(FORMAT).write(out, &solid, None, &label))?;
-    drop(solid);
-    let staged = run.files.staged(FILE)?;
-    // What is cut ends at the mirror's rim.
-    let bytes = staged.read()?;
-    let mut check = check_file(
-        run,
-        design,
-        FORMAT,
-        MeshSource::Bytes(bytes),
-        Promise::exact(),
-        &mut |_, _| {},
-    )?;
-    check.rename(FILE.to_owned());
-    check.altered = check.file.sha256 != staged.sha256();
+    let words = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);
+    let check = written_as_cut(run, design, mesh, words, &mut |_, _| {})?;
     let found = &mut survey.found;
     found.reasons.extend(witnessed(&check));
     let errors = check.trace.as_ref().and_then(|trace| trace.errors.facet_error_px);
@@ -217,13 +194,6 @@ fn as_cut(
     }
     let passes = Passes::new(mirror, [lo, hi], *raster)?;
     machining::as_cut_face(&outlines, &passes, along(raster))
-}
-
-fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, String), Error> {
-    let solid = Solid::from_face(&mesh.into(), design.features(), codec(FORMAT).precision())
-        .map_err(|source| Error::Solid { profile: profile.name.clone(), format: FORMAT, source })?;
-    let note = format!("{} triangles, closed", solid.mesh().triangles.len());
-    Ok((solid, note))
 }
 
 /// What the witness has against the as-cut part, whose shadows and picture are the cutter's survey's.

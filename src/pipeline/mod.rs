@@ -4,6 +4,7 @@
 //! was written is read, checked and traced like a stranger's file, and only then published under
 //! its own name, with the report beside it.
 
+mod as_cut;
 mod blur;
 mod build;
 mod build_cache;
@@ -26,6 +27,7 @@ mod observer;
 mod obstacles;
 mod page_figures;
 mod part_drawing;
+mod program;
 mod render;
 mod replay;
 mod run;
@@ -55,6 +57,7 @@ pub use error::{Error, PhotoError};
 pub use frame::FrameOptions;
 pub use inspect::InspectOptions;
 pub use observer::{Observer, Silent, Stage, Timings, Work};
+pub use program::ProgramOptions;
 pub use replay::ReplayOptions;
 pub use run::Command;
 pub use scenery::{RenderOptions, SceneError};

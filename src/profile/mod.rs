@@ -16,6 +16,7 @@ mod hole;
 mod lines;
 mod mesh_goal;
 mod obstacle;
+mod program;
 mod projection;
 mod reader;
 mod sag;
@@ -45,6 +46,10 @@ pub use forming::{FormingSpec, MirrorSide, ToolForm, Vents};
 pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
+pub use program::{
+    FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec, StockMaterial,
+    WorkOffset,
+};
 pub use projection::{
     AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,
     StripSpec,
@@ -131,6 +136,8 @@ pub struct Profile {
     pub step: StepProtocol,
     /// What a drawing says beside its figures.
     pub drawing: DrawingSpec,
+    /// How the mirror is milled.
+    pub program: ProgramSpec,
     /// The limits a finished mirror must keep to pass.
     pub accept: AcceptanceSpec,
     /// The errors of making and mounting that are expected.

@@ -3,17 +3,23 @@
 //! - [`ToolPath::read`] reads the RS-274 text (G code): modal words to straight moves of the tool's tip, arcs as chords.
 //!   What it does not know it refuses by line and name: nothing is skipped.
 //! - [`SweptBall`] is what a ball cutter along those moves leaves: the lowest place of all balls over each place of the plan.
+//! - [`StockMap`] is a block that is cut move by move, in which a rapid move is found that meets what is left.
+//! - [`MachineLimits`] tells the time of moves with their starts, stops and corners.
 //!
 //! The room knows no mirror and no profile, so what it finds of a program is of the program alone.
 
 mod arc;
 mod coverage;
+mod machine_time;
 mod modal;
 mod reader;
+mod stock_map;
 mod swept_ball;
 mod words;
 
 pub use coverage::PathCoverage;
+pub use machine_time::MachineLimits;
+pub use stock_map::{MovedInto, StockMap, StockMoves};
 pub use swept_ball::{SweptBall, SweptPlace};
 
 use crate::geom::DVec3;
@@ -50,6 +56,13 @@ impl ToolPath {
             moves.map(|step| step.from.distance(step.to)).sum()
         };
         [length(false), length(true)]
+    }
+
+    /// The first of the moves that end lowest.
+    #[must_use]
+    pub fn lowest(&self) -> Option<&ToolMove> {
+        let lower = |a: &&ToolMove, b: &&ToolMove| a.to.z.total_cmp(&b.to.z);
+        self.moves.iter().min_by(lower)
     }
 
     /// Time of the cutting moves at their feeds, minutes; starts and stops take longer.

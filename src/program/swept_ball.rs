@@ -163,7 +163,7 @@ fn quarter(Rect { min, max }: Rect, k: usize) -> Rect {
 }
 
 /// Z of the lowest ball of this radius with its centre between two places, over a place of the plan, and its slope there.
-fn lower_side(&[from, to]: &[DVec3; 2], at: DVec2, radius: f64) -> Option<(f64, DVec2)> {
+pub(super) fn lower_side(&[from, to]: &[DVec3; 2], at: DVec2, radius: f64) -> Option<(f64, DVec2)> {
     let way = (to - from).truncate();
     let length = way.length();
     let on = at - from.truncate();

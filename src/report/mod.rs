@@ -19,6 +19,7 @@ mod machining;
 mod maps;
 mod meanings;
 mod measured;
+mod milling;
 mod page;
 mod plot;
 mod program;

@@ -14,6 +14,7 @@ mod holes;
 mod inspection;
 mod machining;
 mod measured;
+mod milling;
 mod program;
 mod reason;
 mod render;
@@ -49,6 +50,7 @@ pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
 };
 pub use measured::{AlignmentFacts, UnitFacts};
+pub use milling::{LeftFacts, OperationFacts, ProgramReport};
 pub use program::{CutDeparture, ProgramFacts};
 pub use reason::{Reason, ReasonKind};
 pub use render::RenderReport;

@@ -103,6 +103,65 @@ pub enum CuttingFault {
         /// Most facets.
         most: f64,
     },
+    /// A rapid move meets the stock.
+    #[error(
+        "the rapid move of line {line} goes {depth_mm:.3} mm deep into the stock at X {:.3}, Y {:.3} mm", at_mm[0], at_mm[1]
+    )]
+    RapidIntoStock {
+        /// Line of the program.
+        line: u32,
+        /// X and Y of a place that it meets, mm.
+        at_mm: [f64; 2],
+        /// How deep it goes there, mm.
+        depth_mm: f64,
+    },
+    /// A feed move goes straight down into the stock.
+    #[error(
+        "the move of line {line} goes straight down, {depth_mm:.3} mm into the stock at X {:.3}, Y {:.3} mm", at_mm[0], at_mm[1]
+    )]
+    Plunge {
+        /// Line of the program.
+        line: u32,
+        /// X and Y of a place that it meets, mm.
+        at_mm: [f64; 2],
+        /// How deep it goes there, mm.
+        depth_mm: f64,
+    },
+    /// More is taken away than should be.
+    #[error(
+        "{left_um:.2} um are left at X {:.3}, Y {:.3} mm where {asked_um} um should be", at_mm[0], at_mm[1]
+    )]
+    TooDeep {
+        /// What is left there, um.
+        left_um: f64,
+        /// What should be, um.
+        asked_um: f64,
+        /// X and Y, mm.
+        at_mm: [f64; 2],
+    },
+    /// More is left than is polished off.
+    #[error(
+        "{found_um:.2} um are left at X {:.3}, Y {:.3} mm, over the {limit_um} um of program.polish_um; take a smaller stepover or a \
+         larger ball", at_mm[0], at_mm[1]
+    )]
+    Unpolished {
+        /// What is left, um.
+        found_um: f64,
+        /// What is polished off, um.
+        limit_um: f64,
+        /// X and Y, mm.
+        at_mm: [f64; 2],
+    },
+    /// A move goes below the part's base.
+    #[error(
+        "the move of line {line} goes to Z {z_mm:.3} mm, below the part's base, on which it is clamped"
+    )]
+    BelowBase {
+        /// Line of the program.
+        line: u32,
+        /// The lowest place of its tip, mm.
+        z_mm: f64,
+    },
     /// The face as cut has no facets.
     #[error("the face as cut: {why}")]
     Face {

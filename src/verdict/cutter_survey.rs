@@ -147,7 +147,10 @@ impl<'a> CutterSurvey<'a> {
 }
 
 /// The best directions, and the raster in the one asked for or the best to a hundredth of a degree.
-fn directed(analysis: &SurfaceAnalysis, options: &MachiningOptions) -> (BestFacts, BallRaster) {
+pub(crate) fn directed(
+    analysis: &SurfaceAnalysis,
+    options: &MachiningOptions,
+) -> (BestFacts, BallRaster) {
     let ball_mm = options.ball_mm;
     // Directions hardly depend on it.
     let stepover_mm = options.stepover_mm.unwrap_or(FIRST_STEPOVER * ball_mm);
@@ -217,17 +220,21 @@ fn unmeasured(
     without.into_iter().chain(scallops.and_then(unseen)).collect()
 }
 
+/// The least and the largest X and Y of the box around the part, which it stands over by `allowance_mm`.
+pub(crate) fn stock_corners(design: &Design, allowance_mm: f64) -> [DVec2; 2] {
+    let around = DVec2::splat(allowance_mm);
+    let [lo, hi] = match design.border.as_ref().map(|stock| stock.contour) {
+        Some(Contour::Rect { half, .. }) => [-half, half],
+        Some(Contour::Circle { radius_mm }) => [-1.0, 1.0].map(|s| DVec2::splat(s * radius_mm)),
+        None => bounding_corners(&plan_outlines(&design.mirror)),
+    };
+    [lo - around, hi + around]
+}
+
 /// The box around the part, whose highest place is at `high`.
 fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
-    let size = match design.border.as_ref().map(|stock| stock.contour) {
-        Some(Contour::Rect { half, .. }) => 2.0 * half,
-        Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
-        None => {
-            let [lo, hi] = bounding_corners(&plan_outlines(&design.mirror));
-            hi - lo
-        }
-    };
-    let [x, y] = [size.x, size.y].map(|side| side + 2.0 * allowance_mm);
+    let [lo, hi] = stock_corners(design, allowance_mm);
+    let DVec2 { x, y } = hi - lo;
     let z = high + allowance_mm;
     let (volume_mm3, part_mm3) = (x * y * z, design.volume());
     StockFacts {

@@ -2,15 +2,17 @@
 
 mod cutter_survey;
 mod file_check;
+mod milled_block;
 mod plan_edge;
 mod program_cut;
 mod remedy;
 pub(crate) mod sharpness;
 mod vertex_check;
 
-pub(crate) use cutter_survey::CutterSurvey;
 pub use cutter_survey::MachiningOptions;
+pub(crate) use cutter_survey::{CutterSurvey, directed, stock_corners};
 pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, HeldTo, expected_rays};
+pub(crate) use milled_block::{MilledBlock, ProgramLeft, stepover_for_picture};
 pub(crate) use program_cut::ProgramCut;
 pub(crate) use remedy::filling;
 
@@ -71,7 +73,10 @@ impl Findings {
     ) -> Self {
         let mut reasons: Vec<Reason> =
             checks.iter().flat_map(|check| of_file(profile, design, check)).collect();
-        remedy::add(profile, design, &mut reasons);
+        match checks.iter().any(|check| check.held_to == HeldTo::Picture) {
+            true => remedy::add_as_cut(&mut reasons),
+            false => remedy::add(profile, design, &mut reasons),
+        }
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
         let frame = checks.iter().find_map(|check| check.frame.clone());
         let held =

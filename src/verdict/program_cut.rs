@@ -38,6 +38,14 @@ pub(crate) struct ProgramCut {
 }
 
 impl ProgramCut {
+    /// The least distance of lines, mm, whose cut of `mirror` facets can follow, and a little.
+    #[must_use]
+    pub(crate) fn narrowest_mm(mirror: &Mirror) -> f64 {
+        let raster = BallRaster { ball_mm: 1.0, stepover_mm: 1.0, angle: 0.0 };
+        let facets = facet_estimate(&plan_outlines(mirror), &raster, ALONG);
+        1.05 * f64::sqrt(facets / MOST_FACETS)
+    }
+
     /// What `path` cuts of the mirror of `design` with a ball.
     ///
     /// # Errors
@@ -111,6 +119,9 @@ impl ProgramCut {
             by_rapid.map(departure).map(|CutDeparture { at_mm: [x, y, _], line, .. }| {
                 CuttingFault::Rapid { line, at_mm: [x, y] }
             });
+        let below = path.lowest().filter(|step| step.to.z < 0.0);
+        let below = below.map(|step| CuttingFault::BelowBase { line: step.line, z_mm: step.to.z });
+        let faults = faults.into_iter().chain(below).collect();
         let [cutting_mm, rapid_mm] = path.lengths_mm();
         let facts = ProgramFacts {
             ball_mm: swept.radius_mm(),
@@ -126,12 +137,15 @@ impl ProgramCut {
             highest: extreme(1.0),
             lowest: extreme(-1.0),
         };
+        // Facets of a pitch p that do not follow the cusps of lines w apart chord those off: of slopes that are even between
+        // -w / 2R and w / 2R a share p / w of the root mean square is lost, an eighth across lines along the lattice's rows, and
+        // sqrt(2) / 8 = 0.18 across its diagonals.
         let warning = (coverage.parallel < PARALLEL).then(|| {
             "the lines of the program run in several directions: facets cut off the cusps between them, and errors may be told \
              up to a fifth too small"
                 .to_owned()
         });
-        Self { mesh, facts, faults: faults.into_iter().collect(), warning }
+        Self { mesh, facts, faults, warning }
     }
 }
 

@@ -29,6 +29,17 @@ pub(crate) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) 
     amend(is_unfilled, &|fault| filling(profile, fault));
 }
 
+/// Adds to the first reason of a face as cut that is off the picture how to do better.
+pub(crate) fn add_as_cut(reasons: &mut [Reason]) {
+    let is_off = |reason: &&mut Reason| {
+        matches!(reason.kind, ReasonKind::Picture(PictureFault::PixelError { .. }))
+    };
+    if let Some(reason) = reasons.iter_mut().find(is_off) {
+        let way_out = "scallops displace the picture: polish the mirror, or mill it with a larger ball or a smaller stepover";
+        reason.way_out = Some(way_out.to_owned());
+    }
+}
+
 /// The law that leaves a smaller error, if it is much smaller, with that error.
 fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return None };

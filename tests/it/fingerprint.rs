@@ -1,10 +1,10 @@
 //! The fingerprint of what the program makes: the hash of every file of the shipped builds, of a
-//! tolerance run, a drawing, an inspection's plan, a machining run and a render.
+//! tolerance run, a drawing, an inspection's plan, a machining run, programs and a render.
 //!
 //! A refactoring leaves it as it is. A change of behaviour renews it knowingly:
 //! `MORION_RENEW=1 cargo test --test it fingerprint`, and the commit says which figure changed and why.
 
-use crate::support::builds::{folder, morion, told};
+use crate::support::builds::{SMALL, folder, morion, save, told};
 use crate::support::shipped_builds;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -17,10 +17,11 @@ const HEAD: &str = "\
 ";
 
 /// The runs beside the builds: the name of their folder, and their arguments.
-const RUNS: [(&str, &[&str]); 5] = [
+const RUNS: [(&str, &[&str]); 6] = [
     ("drawing", &["conquistador"]),
     ("inspect", &["hyperbolic"]),
     ("machining", &["conquistador", "--ball-mm", "3", "--stepover-mm", "0.3"]),
+    ("program", &["small.toml"]),
     ("render", &["panoramic", "--scene", "chessboard"]),
     ("tolerance", &["conquistador", "--trials", "200", "--seed", "1"]),
 ];
@@ -49,6 +50,7 @@ fn made() -> Hashes {
     let mut hashes = Hashes::new();
     collect(shipped_builds::folder(), "build", &mut hashes);
     let out = folder();
+    save(out.path(), SMALL);
     for (command, arguments) in RUNS {
         let arguments = [&[command], arguments, &["--out", command]].concat();
         let (code, _, err) = told(&morion(out.path(), &arguments));

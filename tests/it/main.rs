@@ -36,6 +36,7 @@ mod mesh_targets;
 mod mesh_tolerance;
 mod meshes;
 mod methods;
+mod milling;
 mod numerics;
 mod obstacles;
 mod outside;

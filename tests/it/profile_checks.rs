@@ -6,8 +6,8 @@ use morion::internals::geom::{ScanPath, ScanPattern};
 use morion::internals::optics::{CameraModel, Mount, StripLaw, Target};
 use morion::internals::profile::{
     AcceptanceSpec, DrawingSpec, FileFormat, Layout, LensSpec, MeshFormat, MeshGoal, Method,
-    MethodKind, PanelSource, PaperSize, PartSpec, Profile, ProjectionSpec, Ridge, SagTable,
-    ShapeSpec, StepProtocol, StripLawSpec, StripSpec, Tolerance, shipped,
+    MethodKind, PanelSource, PaperSize, PartSpec, Profile, ProgramSpec, ProjectionSpec, Ridge,
+    SagTable, ShapeSpec, StepProtocol, StripLawSpec, StripSpec, Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -56,6 +56,7 @@ fn the_shipped_conquistador_is_the_papers() {
             },
             step: StepProtocol::Ap214,
             drawing: DrawingSpec::default(),
+            program: ProgramSpec::default(),
             mesh: MeshGoal::limits(Some(2.0), Some(1.0)),
             formats: [MeshFormat::Stl, MeshFormat::Obj].map(FileFormat::Mesh).to_vec(),
             sag: SagTable::default(),

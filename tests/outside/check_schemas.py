@@ -178,6 +178,7 @@ def every_command(to, profile, name, run):
     for options in [[], ["--budget-px", "3", "--scallop-um", "5", "--no-as-cut"]]:
         tool = ["--ball-mm", "1", "--stepover-mm", "0.3"]
         run("machining", "machining", profile, *tool, *options, files=[("machining", f"{out}/machining.json")])
+    run("program", "program", profile, files=[("program", f"{out}/program/program.json")])
     run("drawing", "drawing", profile, files=[("drawing", f"{out}/drawing.json")])
     run("inspect", "inspect", profile, files=[("inspect", f"{out}/inspection.json")])
     to.must("verify", "verify", f"{out}/inspection.csv", "--profile", profile, "--align", "--probe-mm", "0.01")

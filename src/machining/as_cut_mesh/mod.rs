@@ -52,7 +52,7 @@ pub fn as_cut_face(
 ///
 /// # Errors
 /// [`MachiningError::Uncut`] where there is no height.
-pub fn face_of_cut<S: Fn(f64, f64) -> f64>(
+pub fn face_of_cut<S: Fn(f64, f64) -> f64 + Sync>(
     outlines: &[Vec<Polygon>],
     raster: BallRaster,
     along_mm: f64,
@@ -71,8 +71,8 @@ pub fn face_of_cut<S: Fn(f64, f64) -> f64>(
     let snap = snapping(bounding_corners(&panels));
     let levels = rows.y.iter().zip(&places);
     let straight: Vec<f64> = levels.flat_map(|(&y, line)| vec![y; line.len()]).collect();
-    let mut y: Vec<f64> =
-        (0..rows.y.len()).flat_map(|k| snapped(&rows, k, &places[k], &snap)).collect();
+    let snapped = parallel::map(rows.y.len(), 1, |k| snapped(&rows, k, &places[k], &snap));
+    let mut y = snapped.concat();
     let x = places.concat();
     straighten(&x, &straight, &mut y, &triangles);
     let place = |k: usize| along * x[k] + across * y[k] + DVec2::ZERO;
@@ -112,7 +112,7 @@ fn snapped(
     rows: &LatticeRows,
     k: usize,
     places: &[f64],
-    snap: &impl Fn(f64, f64) -> f64,
+    snap: &(impl Fn(f64, f64) -> f64 + Sync),
 ) -> Vec<f64> {
     let (y, fixed) = (rows.y[k], rows.fixed(k));
     let stays = |x: f64| !rows.free[k] || fixed.binary_search_by(|at| at.total_cmp(&x)).is_ok();

@@ -221,7 +221,8 @@ impl<'a> DropCutter<'a> {
 }
 
 /// The point of `mirror` over `xy`; none off the face.
-pub(super) fn surface_on_face(mirror: &Mirror, xy: DVec2) -> Option<LocalSurface> {
+#[must_use]
+pub fn surface_on_face(mirror: &Mirror, xy: DVec2) -> Option<LocalSurface> {
     let place = mirror.extended_surface_over(xy)?;
     let q = mirror.chart.coordinates(place.at).0;
     // A rounding error beyond the rim is on it.

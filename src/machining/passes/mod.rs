@@ -4,8 +4,11 @@
 //! radius along the normal, known by its points and derivatives and between them by cubics. The height of
 //! the cut under one pass is the least of C_z(t) - sqrt(R^2 - |(X, Y) - C_xy(t)|^2), found by Newton's method.
 
+mod ball_path;
 mod pass;
 mod path;
+
+pub use ball_path::{BallPath, BallPaths};
 
 use super::{BallRaster, MachiningError};
 use crate::geom::DVec2;

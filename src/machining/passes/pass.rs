@@ -78,7 +78,7 @@ impl Pass {
     }
 
     /// The centre at `t` steps from the first, with its first two derivatives by t.
-    fn at(&self, t: f64) -> [DVec3; 3] {
+    pub(super) fn at(&self, t: f64) -> [DVec3; 3] {
         let k = (t.floor() as usize).min(self.centres.len() - 2);
         let s = t - k as f64;
         let ([a, da], [b, db]) = (self.centres[k], self.centres[k + 1]);

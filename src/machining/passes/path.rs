@@ -133,7 +133,9 @@ pub(super) fn passes_along_ridge(mirror: &Mirror, ball: f64, step: f64) -> Vec<P
         let start = start + step * next as f64;
         next += run.len();
         let last = run.len() - 1;
-        if last == 0 {
+        // (Beyond both ends there is no telling of a valley from a crest.)
+        let is_beyond = start > bounds.max.x || start + step * last as f64 <= bounds.min.x;
+        if last == 0 || is_beyond {
             continue;
         }
         // Differences, on one side at the ends.

@@ -15,6 +15,7 @@ mod mount;
 mod obstacle;
 mod panels;
 mod posed_target;
+mod program;
 mod projection;
 mod reach;
 mod sag;
@@ -127,6 +128,7 @@ pub(super) fn profile(
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
     let step = export.as_ref().map(|export| limits::step(reader, export));
     let drawing = drawing::read(reader, &root);
+    let program = program::read(reader, &root);
     let accept = limits::accept(reader, &root, parts.bare);
     let setting = tolerance::Setting {
         camera: parts.camera.as_ref().and_then(|found| found.camera),
@@ -179,6 +181,7 @@ pub(super) fn profile(
         sag: sag?,
         step: step?,
         drawing,
+        program,
         accept: accept?,
         tolerance,
         form_map: None,

@@ -10,13 +10,23 @@ use crate::raster::{FalseColourMap, Srgb};
 const NO_MIRROR: Srgb = [255; 3];
 const FITS: Srgb = [200, 200, 204];
 
-/// What a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from [`FLOOR_MM`]
-/// that ends above all but one in twenty of the places where something is left.
+/// What a ball of `ball_mm` leaves on the face.
 #[must_use]
 pub fn gouge_map(gouge: &Gouge, ball_mm: f64) -> FalseColourMap {
-    let [columns, rows] = gouge.size;
+    let title = format!("left by a ball of {ball_mm} mm radius, um");
+    left_map(&gouge.rest_mm, (gouge.size, gouge.step), (title, "fits"))
+}
+
+/// What is left on the face over a grid of columns and rows, mm, row by row with Y rising, and none off it, seen from above, on a
+/// scale of decades from [`FLOOR_MM`] that ends above all but one in twenty of the places where something is left. A place
+/// where less is left is called `little`.
+pub(in super::super) fn left_map(
+    left_mm: &[Option<f64>],
+    ([columns, rows], pitch_mm): ([usize; 2], f64),
+    (title, little): (String, &str),
+) -> FalseColourMap {
     let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
-    let left = gouge.rest_mm.iter().flatten().filter(|mm| **mm >= FLOOR_MM);
+    let left = left_mm.iter().flatten().filter(|mm| **mm >= FLOOR_MM);
     let found = Summary::of(left.copied().collect());
     let decades = found.map_or(1.0, |found| (over(found.p95) - 1e-9).ceil().max(1.0));
     let beyond = found.is_some_and(|found| over(found.max) > decades + 1e-9);
@@ -25,13 +35,13 @@ pub fn gouge_map(gouge: &Gouge, ball_mm: f64) -> FalseColourMap {
         Some(..FLOOR_MM) => FITS,
         Some(mm) => viridis(over(mm) / decades),
     };
-    let row = |row: usize| gouge.rest_mm[row * columns..][..columns].iter();
+    let row = |row: usize| left_mm[row * columns..][..columns].iter();
     // In um: tenths of a power of ten are exact.
     let powers = std::iter::successors(Some(1e4 * FLOOR_MM), |power| Some(10.0 * power));
     FalseColourMap {
         pixels: [columns as u32, rows as u32],
         colours: (0..rows).rev().flat_map(row).map(|left| colour(*left)).collect(),
-        title: format!("left by a ball of {ball_mm} mm radius, um"),
+        title,
         ramp: viridis,
         ticks: powers
             .take(decades as usize + 1)
@@ -41,8 +51,8 @@ pub fn gouge_map(gouge: &Gouge, ball_mm: f64) -> FalseColourMap {
                 format!("{word}{}", 0.1 * um)
             })
             .collect(),
-        keys: vec![(FITS, format!("fits: less than {} um", 1e3 * FLOOR_MM))],
-        pixel_mm: Some(gouge.step),
+        keys: vec![(FITS, format!("{little}: less than {} um", 1e3 * FLOOR_MM))],
+        pixel_mm: Some(pitch_mm),
     }
 }
 

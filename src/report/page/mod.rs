@@ -34,7 +34,7 @@ pub(crate) const STYLE: &str = concat!(
     include_str!("assets/drawing.css")
 );
 
-/// The page of a command on one profile; all lie in one folder.
+/// The page of a command on one profile; all lie in its folder, or in one below that.
 struct CommandPage {
     file: &'static str,
     answers: &'static str,
@@ -44,7 +44,7 @@ struct CommandPage {
 }
 
 /// The pages of all commands.
-const PAGES: [CommandPage; 5] = [
+const PAGES: [CommandPage; 6] = [
     CommandPage {
         file: "report.html",
         answers: "The part and its verdict",
@@ -74,6 +74,12 @@ const PAGES: [CommandPage; 5] = [
         answers: "What a ball cutter leaves",
         command: "machining NAME --ball-mm MM",
         suits: Profile::is_one_surface,
+    },
+    CommandPage {
+        file: "program/program.html",
+        answers: "Programs that mill the mirror, and what they leave",
+        command: "program NAME",
+        suits: |profile| profile.is_one_surface() && profile.part.forming.is_none(),
     },
 ];
 

@@ -39,6 +39,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("program", &["geom", "num", "parallel"]),
     ("inspection", &["tolerance", "align", "mirror", "geom", "num", "parallel"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num", "parallel"]),
+    ("milling", &["machining", "profile", "mirror", "geom", "num", "parallel"]),
     ("pencil", &["mirror", "optics", "geom", "num", "parallel"]),
     ("render", &["design", "mirror", "trace", "optics", "geom", "raster", "num", "parallel"]),
     ("unwrap", &["mirror", "optics", "raster", "geom", "num", "parallel"]),

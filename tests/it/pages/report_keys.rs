@@ -272,6 +272,8 @@ fn the_page_of_studies_has_every_key() {
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
+    let milled = ["program all.toml", "program obstructed.toml"].map(|it| runs.printed(it));
+    hold(STUDIES, &["## `program.json`"], &milled);
     hold(STUDIES, &["## `drawing.json`"], &[runs.printed("drawing rimmed.toml")]);
     hold(STUDIES, &["## `inspection.json`"], &[runs.printed("inspect all.toml")]);
     let bench = runs.printed("bench round.toml --quick --suggest 3px");

@@ -7,9 +7,10 @@ use std::collections::BTreeSet;
 
 /// Keys of outputs that only other outputs of the same types fill: rims of a solid that is closed by construction,
 /// normals of files that hold none, and files and as-cut part of a study, which makes none.
-const NEVER: [(&str, &[&str]); 4] = [
+const NEVER: [(&str, &[&str]); 5] = [
     ("build", &["solid.open."]),
     ("machining", &["as_cut.trace.interpolated_normals.", "as_cut.trace.solid.open."]),
+    ("program", &["as_cut.trace.interpolated_normals.", "as_cut.trace.solid.open."]),
     ("tolerance", &["machining.as_cut.", "machining.files[]."]),
     ("replay", &["files[].solid.open."]),
 ];
@@ -28,6 +29,7 @@ const TABLES: &[(&[&str], &str, &[&str])] = &[
     (&["frame"], STUDIES, &["## `frame.json`"]),
     (&["blur"], STUDIES, &["## `blur.json`"]),
     (&["machining"], STUDIES, &["## `machining.json`"]),
+    (&["program"], STUDIES, &["## `program.json`"]),
     (&["drawing"], STUDIES, &["## `drawing.json`"]),
     (&["inspect"], STUDIES, &["## `inspection.json`"]),
     (&["bench"], STUDIES, &["## `bench.json`"]),

@@ -1,0 +1,238 @@
+//! Operations: what each of them leaves, with which ball, at which lines.
+
+use super::MillingError;
+use super::bridge::TipLines;
+use super::cutting_data::{Speeds, stepdown_mm};
+use super::levels::LevelCut;
+use super::motions::TipMove;
+use super::stock_block::StockBlock;
+use super::surface_lines::SurfaceCut;
+use crate::machining::{BallRaster, Passes, SurfaceAnalysis, bounding_corners, plan_outlines};
+use crate::mirror::Mirror;
+use crate::profile::ProgramSpec;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Stepover of roughing over the ball's radius: 40 % of its diameter.
+const ROUGH_STEPOVER: f64 = 0.8;
+/// Scallops of semi-finishing, and what its straight moves are off the path, over the allowance: it is to be left within 10 %.
+const SEMI_SCALLOP: f64 = 0.06;
+const SEMI_CHORD: f64 = 0.02;
+/// What straight moves of roughing are off the path over the allowance.
+const ROUGH_CHORD: f64 = 0.05;
+/// Slopes of chords along finishing lines over those of the scallops across them, which are independent: they add 1.5 % to the root
+/// mean square of both.
+const FINE_SLOPE: f64 = 0.35;
+/// Most moves of an operation: what the reader of programs keeps.
+const MOST: f64 = 5e6;
+
+/// A mirror to be milled.
+pub struct MillingTask<'a> {
+    /// The mirror.
+    pub mirror: &'a Mirror,
+    /// Its curvature.
+    pub analysis: &'a SurfaceAnalysis<'a>,
+    /// How it is asked for.
+    pub spec: &'a ProgramSpec,
+    /// Lines of finishing.
+    pub raster: BallRaster,
+    /// The block.
+    pub stock: StockBlock,
+    /// Z of what is around the mirror, below which no tip goes, mm.
+    pub floor_mm: f64,
+    /// Whether that is a flat rim.
+    pub has_rim: bool,
+}
+
+/// What one cutter does in one program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Operation {
+    /// What it is.
+    pub kind: OperationKind,
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of its lines in the plan, mm.
+    pub stepover_mm: f64,
+    /// Levels; one of what follows the surface.
+    pub levels: usize,
+    /// What it leaves on the mirror, mm.
+    pub allowance_mm: f64,
+    /// Speed and feeds.
+    pub speeds: Speeds,
+    /// The moves of its tip, from a place at the height of rapid moves on.
+    pub motions: Vec<TipMove>,
+}
+
+/// Kind of an operation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OperationKind {
+    /// Levels, from the stock's top down.
+    Roughing,
+    /// Lines that leave an even allowance.
+    SemiFinishing,
+    /// Lines that leave the mirror.
+    Finishing,
+}
+
+impl OperationKind {
+    /// All, in their order.
+    pub const ALL: [Self; 3] = [Self::Roughing, Self::SemiFinishing, Self::Finishing];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Roughing => "roughing",
+            Self::SemiFinishing => "semi-finishing",
+            Self::Finishing => "finishing",
+        }
+    }
+}
+
+impl MillingTask<'_> {
+    /// Height of rapid moves, mm.
+    #[must_use]
+    pub fn safe_mm(&self) -> f64 {
+        self.stock.top_mm + self.spec.machine.safe_mm
+    }
+
+    /// Radius of the ball that roughs, mm.
+    #[must_use]
+    pub fn rough_ball_mm(&self) -> f64 {
+        self.spec.roughing.ball_mm.unwrap_or(self.raster.ball_mm)
+    }
+
+    /// All operations, in their order.
+    ///
+    /// # Errors
+    /// [`MillingError`] when lines cannot be worked out, or the ball would go below what is around the mirror.
+    pub fn operations(&self) -> Result<Vec<Operation>, MillingError> {
+        self.check_floor()?;
+        let operations = OperationKind::ALL.map(|kind| match kind {
+            OperationKind::Roughing => self.roughing(),
+            OperationKind::SemiFinishing => self.semi_finishing(),
+            OperationKind::Finishing => self.finishing(),
+        });
+        let operations: Vec<Operation> = operations.into_iter().collect::<Result<_, _>>()?;
+        for operation in &operations {
+            let count = operation.motions.len() as f64;
+            if count > MOST {
+                let (what, key) = (operation.kind.name(), "stepover_mm");
+                return Err(MillingError::Many { what, count, most: MOST, key });
+            }
+        }
+        Ok(operations)
+    }
+
+    /// That no ball that touches the rim is below what is around it.
+    fn check_floor(&self) -> Result<(), MillingError> {
+        let outlines = plan_outlines(self.mirror);
+        let ball_mm = self.raster.ball_mm;
+        let lowest = outlines.iter().flatten().flatten().filter_map(|&at| {
+            let place = self.mirror.extended_surface_over(at)?;
+            let tip = place.at.z - ball_mm * (1.0 - place.normal().z);
+            Some((self.floor_mm - tip, at))
+        });
+        let lowest = lowest.reduce(|a, b| if b.0 > a.0 { b } else { a });
+        match lowest {
+            Some((below_mm, at)) if below_mm > 0.0 => {
+                let what = if self.has_rim { "flat rim" } else { "base" };
+                Err(MillingError::Floor { at, ball_mm, below_mm, what, has_rim: self.has_rim })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The lines of a ball of radius `ball_mm` that leaves `allowance_mm`.
+    fn lines(
+        &self,
+        [ball_mm, allowance_mm]: [f64; 2],
+        stepover_mm: f64,
+        [chord_mm, longest_mm]: [f64; 2],
+    ) -> Result<TipLines, MillingError> {
+        let raster = BallRaster { ball_mm: ball_mm + allowance_mm, stepover_mm, ..self.raster };
+        let corners = bounding_corners(&plan_outlines(self.mirror));
+        let paths = Passes::new(self.mirror, corners, raster)?.paths(chord_mm, longest_mm);
+        let mut lines = TipLines::new(&paths, ball_mm, self.mirror.folded);
+        let all = lines.across.iter_mut().chain(&mut lines.ridge);
+        all.for_each(|line| line.raise(self.floor_mm));
+        Ok(lines)
+    }
+
+    fn roughing(&self) -> Result<Operation, MillingError> {
+        let (ball_mm, allowance_mm) = (self.rough_ball_mm(), self.spec.roughing.allowance_mm);
+        let stepover_mm = ROUGH_STEPOVER * ball_mm;
+        let chord_mm = ROUGH_CHORD * allowance_mm;
+        let lines = self.lines([ball_mm, allowance_mm], stepover_mm, [chord_mm, f64::INFINITY])?;
+        let cut = LevelCut {
+            stock: self.stock,
+            raster: BallRaster { ball_mm, stepover_mm, ..self.raster },
+            stepdown_mm: stepdown_mm(self.spec, ball_mm),
+            chord_mm,
+            safe_mm: self.safe_mm(),
+        };
+        let (motions, levels) = cut.moves(&lines);
+        Ok(Operation {
+            kind: OperationKind::Roughing,
+            ball_mm,
+            stepover_mm,
+            levels,
+            allowance_mm,
+            speeds: Speeds::new(self.spec, ball_mm, self.spec.speeds.rough_feed_mm_min),
+            motions,
+        })
+    }
+
+    fn semi_finishing(&self) -> Result<Operation, MillingError> {
+        let allowance_mm = self.spec.roughing.allowance_mm;
+        let ball_mm = self.raster.ball_mm;
+        // (Scallops over the mirror are those over the allowance but for its thickness over the mirror's radius.)
+        let asked = self.analysis.stepover_for_height(&self.raster, SEMI_SCALLOP * allowance_mm);
+        let stepover_mm = asked.unwrap_or(0.2 * ball_mm).max(self.raster.stepover_mm);
+        let limits = [SEMI_CHORD * allowance_mm, f64::INFINITY];
+        let lines = self.lines([ball_mm, allowance_mm], stepover_mm, limits)?;
+        let rough_mm = self.rough_ball_mm();
+        let left_mm = 0.5 * ROUGH_STEPOVER * ROUGH_STEPOVER * rough_mm;
+        let feed = self.spec.speeds.feed_mm_min;
+        Ok(self.along_surface(
+            (OperationKind::SemiFinishing, feed),
+            [stepover_mm, allowance_mm, left_mm],
+            &lines,
+        ))
+    }
+
+    fn finishing(&self) -> Result<Operation, MillingError> {
+        let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
+        let chord_mm = 1e-3 * self.spec.finishing.chord_um;
+        let longest_mm = self.analysis.along_mm(&self.raster, FINE_SLOPE);
+        let lines = self.lines([ball_mm, 0.0], stepover_mm, [chord_mm, longest_mm])?;
+        let feed = self.spec.speeds.feed_mm_min;
+        let left_mm = self.spec.roughing.allowance_mm;
+        Ok(self.along_surface(
+            (OperationKind::Finishing, feed),
+            [stepover_mm, 0.0, left_mm],
+            &lines,
+        ))
+    }
+
+    /// An operation along lines, of what was left over them.
+    fn along_surface(
+        &self,
+        (kind, feed_mm_min): (OperationKind, Option<f64>),
+        [stepover_mm, allowance_mm, left_mm]: [f64; 3],
+        lines: &TipLines,
+    ) -> Operation {
+        let ball_mm = self.raster.ball_mm;
+        let cut = SurfaceCut { ball_mm, stepover_mm, left_mm, safe_mm: self.safe_mm() };
+        Operation {
+            kind,
+            ball_mm,
+            stepover_mm,
+            levels: 1,
+            allowance_mm,
+            speeds: Speeds::new(self.spec, ball_mm, feed_mm_min),
+            motions: cut.moves(lines),
+        }
+    }
+}

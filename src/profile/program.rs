@@ -1,0 +1,200 @@
+//! How the mirror is milled: `[program]`, with usual values in place of what is absent.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the mirror is milled by ball cutters on three axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProgramSpec {
+    /// What the stock is of.
+    pub material: StockMaterial,
+    /// What the control reads.
+    pub control: MillControl,
+    /// Offset of the zero point that the program calls for.
+    pub work_offset: WorkOffset,
+    /// What the stock stands over the part on its sides and on top, mm.
+    pub stock_mm: f64,
+    /// Lines that leave the mirror.
+    pub finishing: FinishingSpec,
+    /// What comes before them.
+    pub roughing: RoughingSpec,
+    /// Feeds and speed.
+    pub speeds: SpeedsSpec,
+    /// What the machine can do.
+    pub machine: MachineSpec,
+}
+
+/// Lines of the ball that leave the mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinishingSpec {
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of the lines in the plan, mm; none for the largest that keeps both budgets.
+    pub stepover_mm: Option<f64>,
+    /// Height that no scallop may exceed, um.
+    pub scallop_um: Option<f64>,
+    /// Pixel error that 95 % of the face as cut may not exceed; none for the largest that a build is held to.
+    pub budget_px: Option<f64>,
+    /// Direction of the lines from X towards Y, degrees; none for the best.
+    pub angle_deg: Option<f64>,
+    /// What straight moves may be off the path of the ball, um.
+    pub chord_um: f64,
+    /// What is polished off the milled face, um; none of a mirror that is used as it comes off the machine.
+    pub polish_um: Option<f64>,
+}
+
+/// Levels that take the stock away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughingSpec {
+    /// Radius of the ball, mm; none for the one that finishes.
+    pub ball_mm: Option<f64>,
+    /// What is left on the mirror, mm.
+    pub allowance_mm: f64,
+    /// From level to level, mm; none for what is usual of the material.
+    pub stepdown_mm: Option<f64>,
+}
+
+/// Feeds and speed; none for what is usual of the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedsSpec {
+    /// Teeth of a cutter.
+    pub teeth: u32,
+    /// Feed of finishing, mm/min.
+    pub feed_mm_min: Option<f64>,
+    /// Feed of roughing, mm/min.
+    pub rough_feed_mm_min: Option<f64>,
+    /// Speed of the spindle, 1/min.
+    pub spindle_rpm: Option<f64>,
+}
+
+/// What a mill can do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineSpec {
+    /// Speed of rapid moves, mm/min.
+    pub rapid_mm_min: f64,
+    /// Largest feed, mm/min.
+    pub max_feed_mm_min: f64,
+    /// Largest speed of the spindle, 1/min.
+    pub max_spindle_rpm: f64,
+    /// Acceleration, mm/s^2.
+    pub acceleration_mm_s2: f64,
+    /// Travel along X, Y and Z, mm; none for any.
+    pub travel_mm: Option<[f64; 3]>,
+    /// Height of rapid moves over the stock, mm.
+    pub safe_mm: f64,
+}
+
+/// What the stock is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StockMaterial {
+    /// Wrought alloys.
+    Aluminium,
+    /// Free-cutting brass.
+    Brass,
+    /// Cast acrylic.
+    Pmma,
+    /// Machining wax.
+    Wax,
+}
+
+/// What a control reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MillControl {
+    /// LinuxCNC.
+    Linuxcnc,
+    /// Grbl and its relatives.
+    Grbl,
+    /// Fanuc and what reads its programs.
+    Fanuc,
+}
+
+/// Offset of a zero point: the number of its word, G54 to G59.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorkOffset(u8);
+
+impl WorkOffset {
+    /// All, in the order of their numbers.
+    pub const ALL: [Self; 6] = [Self(54), Self(55), Self(56), Self(57), Self(58), Self(59)];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            54 => "G54",
+            55 => "G55",
+            56 => "G56",
+            57 => "G57",
+            58 => "G58",
+            _ => "G59",
+        }
+    }
+}
+
+impl StockMaterial {
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Aluminium, Self::Brass, Self::Pmma, Self::Wax];
+
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aluminium => "aluminium",
+            Self::Brass => "brass",
+            Self::Pmma => "pmma",
+            Self::Wax => "wax",
+        }
+    }
+}
+
+impl MillControl {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Linuxcnc, Self::Grbl, Self::Fanuc];
+
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linuxcnc => "linuxcnc",
+            Self::Grbl => "grbl",
+            Self::Fanuc => "fanuc",
+        }
+    }
+}
+
+impl Default for ProgramSpec {
+    /// A ball of 3 mm radius with two teeth in aluminium, on a light mill.
+    fn default() -> Self {
+        Self {
+            material: StockMaterial::Aluminium,
+            control: MillControl::Linuxcnc,
+            work_offset: WorkOffset(54),
+            stock_mm: 1.0,
+            finishing: FinishingSpec {
+                ball_mm: 3.0,
+                stepover_mm: None,
+                scallop_um: None,
+                budget_px: None,
+                angle_deg: None,
+                chord_um: 1.0,
+                polish_um: None,
+            },
+            roughing: RoughingSpec { ball_mm: None, allowance_mm: 0.3, stepdown_mm: None },
+            speeds: SpeedsSpec {
+                teeth: 2,
+                feed_mm_min: None,
+                rough_feed_mm_min: None,
+                spindle_rpm: None,
+            },
+            machine: MachineSpec {
+                rapid_mm_min: 5000.0,
+                max_feed_mm_min: 3000.0,
+                max_spindle_rpm: 24_000.0,
+                acceleration_mm_s2: 500.0,
+                travel_mm: None,
+                safe_mm: 5.0,
+            },
+        }
+    }
+}

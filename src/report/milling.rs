@@ -1,0 +1,159 @@
+//! Programs that mill a mirror, in words.
+
+use super::answer::{Answer, AnswerRows, Head, ToRows};
+use super::fact_rows::{errors_sentence, ray_counts};
+use super::maps::left_map;
+use super::page::{map_figure, page_of};
+use crate::raster::{EncodingError, FalseColourMap};
+use crate::results::{AsCutFacts, LeftFacts, OperationFacts, ProgramReport, figures, three_digits};
+
+impl ProgramReport {
+    /// `program.html`, with the maps of what is left and of pixel errors.
+    ///
+    /// # Errors
+    /// What the encoder of pictures reports.
+    pub fn html(
+        &self,
+        left: &[(String, FalseColourMap)],
+        errors: Option<&FalseColourMap>,
+    ) -> Result<String, EncodingError> {
+        let mut figures = Vec::new();
+        for (operation, map) in left {
+            let caption = format!(
+                "The face from above, each square {} mm wide, after {operation}: what its program, read back, leaves \
+                 along the mirror's normal. Grey is where less than 0.1 um is left.",
+                map.pixel_mm.map_or("0".into(), three_digits),
+            );
+            figures.push(map_figure(&format!("Left after {operation}, um"), map, caption)?);
+        }
+        if let Some(map) = errors {
+            let caption = "What the picture is off by where the camera looks into the mirror as it comes off the machine, \
+                           unpolished.";
+            figures.push(map_figure("Pixel error as cut, px", map, caption.into())?);
+        }
+        Ok(page_of(self, (None, "programs"), figures, &self.files))
+    }
+
+    /// The map of what an operation leaves over a grid of columns and rows so far apart.
+    #[must_use]
+    pub fn left_map(
+        left_mm: &[Option<f64>],
+        grid: ([usize; 2], f64),
+        operation: &str,
+    ) -> FalseColourMap {
+        left_map(left_mm, grid, (format!("left after {operation}, um"), "done"))
+    }
+}
+
+impl Answer for ProgramReport {
+    fn head(&self) -> Head<'_> {
+        Head::judged(&self.profile, self.verdict, &self.reasons).with_warnings(&self.warnings)
+    }
+
+    fn rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::default();
+        let Self { material, control, work_offset, stock, reach_mm, .. } = self;
+        let [x, y, z] = stock.size_mm;
+        rows.add(
+            "stock",
+            format!(
+                "{}, {x:.1} x {y:.1} x {z:.1} mm: {} mm over the part on its sides and on top",
+                material.name(),
+                stock.allowance_mm
+            ),
+        );
+        rows.add(
+            "zero",
+            format!(
+                "{work_offset}: X0 Y0 below the camera's axis, in the middle of the mirror; Z0 on the part's base ({})",
+                control.name()
+            ),
+        );
+        self.operations.iter().for_each(|operation| operation.add_to(&mut rows));
+        rows.add(
+            "time",
+            format!(
+                "{} min on the machine; a cutter stands out of its holder by {reach_mm:.1} mm at least",
+                three_digits(self.machine_min)
+            ),
+        );
+        self.add_picture(&mut rows);
+        let [x, y, z] = self.travel_mm;
+        rows.details(|rows| {
+            rows.add("travel", format!("{x:.1} x {y:.1} x {z:.1} mm"));
+            rows.add("direction", format!("{:.2} deg from X", self.angle_deg));
+        });
+        if let Some(program) = &self.program {
+            rows.details(|rows| program.add_to(rows));
+        }
+        self.files.add_to(&mut rows);
+        rows
+    }
+}
+
+impl ProgramReport {
+    fn add_picture(&self, rows: &mut AnswerRows) {
+        let Some(AsCutFacts { optical_triangles, trace }) = &self.as_cut else {
+            rows.add("picture", "none: the finishing program cuts no face");
+            return;
+        };
+        if let Some(error) = trace.errors.pixel_error_px {
+            let allowed = self.accepted.map_or(String::new(), |allowed| {
+                let limits = [allowed.pixel_error_rms_px, allowed.pixel_error_max_px];
+                let [rms, max] = limits.map(|limit| limit.value);
+                format!("; allowed {rms} and {max}")
+            });
+            rows.add(
+                "picture",
+                format!(
+                    "off by {} px RMS, {} px at most, as it comes off the machine{allowed}",
+                    three_digits(error.rms),
+                    three_digits(error.max)
+                ),
+            );
+        }
+        rows.details(|rows| {
+            let counts = ray_counts(trace, "rays ");
+            rows.add("as cut", format!("{optical_triangles} optical triangles; {counts}"));
+            rows.add("", errors_sentence(&trace.errors));
+            if self.foreseen_px.is_some() {
+                let foreseen = figures(self.foreseen_px);
+                rows.add("foreseen", format!("{foreseen} px, by the study of its raster"));
+            }
+        });
+    }
+}
+
+impl ToRows for OperationFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { operation, file, ball_mm, stepover_mm, levels, speeds, .. } = self;
+        let lines = match levels {
+            1 => format!("lines {} mm apart", three_digits(*stepover_mm)),
+            _ => format!("{levels} levels, lines {} mm apart", three_digits(*stepover_mm)),
+        };
+        let left = self.left.map_or(String::new(), |left| {
+            let LeftFacts { least_um, most_um, .. } = left;
+            format!("; leaves {} to {} um", three_digits(least_um), three_digits(most_um))
+        });
+        rows.add(
+            operation.name(),
+            format!(
+                "{file}: ball of {ball_mm} mm radius, {lines}, {} mm/min at {} rpm; {} min{left}",
+                speeds.feed_mm_min,
+                speeds.spindle_rpm,
+                three_digits(self.machine_min)
+            ),
+        );
+        rows.details(|rows| {
+            let Self { lines, moves, cutting_mm, rapid_mm, .. } = self;
+            rows.add(
+                "",
+                format!(
+                    "{lines} lines, {moves} moves; {:.2} m of cuts, {:.2} m of rapid moves",
+                    1e-3 * cutting_mm,
+                    1e-3 * rapid_mm
+                ),
+            );
+        });
+    }
+}

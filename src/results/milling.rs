@@ -1,0 +1,101 @@
+//! Programs that mill a mirror, and what they leave.
+
+use super::{AsCutFacts, FileFacts, ProfileId, ProgramFacts, Reason, StockFacts, Verdict};
+use crate::milling::{OperationKind, Speeds};
+use crate::num::stats::{Summary, or_null};
+use crate::profile::{AcceptanceLimits, MillControl, StockMaterial};
+use crate::trace::FrameFill;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Programs that mill a mirror: `program.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ProgramReport {
+    /// The version of the report's schema, whose rules hold for these keys too.
+    pub schema: u32,
+    /// Name and fingerprint of the profile.
+    pub profile: ProfileId,
+    /// What the stock is of.
+    pub material: StockMaterial,
+    /// What the control reads.
+    pub control: MillControl,
+    /// The offset whose zero is on the part's base, below the camera's axis.
+    pub work_offset: String,
+    /// The block.
+    pub stock: StockFacts,
+    /// Direction of the lines from X towards Y, degrees.
+    pub angle_deg: f64,
+    /// The operations, in their order, each a program.
+    pub operations: Vec<OperationFacts>,
+    /// Time of all programs on the machine, minutes.
+    pub machine_min: f64,
+    /// Least length of a cutter out of its holder, mm: the depth from the stock's top to the lowest place of a tip.
+    pub reach_mm: f64,
+    /// What the programs travel along X, Y and Z, mm.
+    pub travel_mm: [f64; 3],
+    /// What the study of the finishing raster foresees of its scallops, pixels.
+    #[serde(serialize_with = "or_null")]
+    #[schemars(with = "Summary")]
+    pub foreseen_px: Option<Summary>,
+    /// What the finishing program cuts, read back; none where it could not be.
+    pub program: Option<ProgramFacts>,
+    /// The part as cut, as the witness saw it; none where there is none.
+    pub as_cut: Option<AsCutFacts>,
+    /// How well the frame is filled by the part as cut.
+    pub frame: Option<FrameFill>,
+    /// The limits that the part as cut was held to.
+    pub accepted: Option<AcceptanceLimits>,
+    /// The files written but for this one.
+    pub files: Vec<FileFacts>,
+    /// Pass or fail.
+    pub verdict: Verdict,
+    /// Reasons of a fail, each with figures; empty for a pass.
+    pub reasons: Vec<Reason>,
+    /// Other remarks; no part of the verdict.
+    pub warnings: Vec<String>,
+}
+
+/// An operation, as its program was read back.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct OperationFacts {
+    /// What it is.
+    pub operation: OperationKind,
+    /// Its program.
+    pub file: String,
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of its lines in the plan, mm.
+    pub stepover_mm: f64,
+    /// Levels; 1 of what follows the surface.
+    pub levels: usize,
+    /// What it is to leave on the mirror, mm.
+    pub allowance_mm: f64,
+    /// Speed and feeds.
+    #[serde(flatten)]
+    pub speeds: Speeds,
+    /// Lines of the program.
+    pub lines: u32,
+    /// Its moves.
+    pub moves: usize,
+    /// Length of the cutting moves, mm.
+    pub cutting_mm: f64,
+    /// Length of the rapid moves, mm.
+    pub rapid_mm: f64,
+    /// Its time on the machine, with starts, stops and corners, minutes.
+    pub machine_min: f64,
+    /// What is left on the mirror after it, over a grid of places; none where no place of it is over the mirror.
+    pub left: Option<LeftFacts>,
+}
+
+/// What is left on a mirror, along its normal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct LeftFacts {
+    /// The least, um; negative where the mirror is cut into.
+    pub least_um: f64,
+    /// X and Y of the place, mm.
+    pub least_at_mm: [f64; 2],
+    /// The most, um.
+    pub most_um: f64,
+    /// X and Y of the place, mm.
+    pub most_at_mm: [f64; 2],
+}

@@ -1,0 +1,157 @@
+//! Programs that mill a mirror: what they leave, and what they are refused for.
+
+use crate::support::builds::{SMALL, edited, folder, parsed};
+use crate::support::shipped;
+use morion::internals::milling::OperationKind;
+use morion::internals::pipeline::{
+    Command, Error, MachiningOptions, OutputFile, ProgramOptions, Silent, Verify, VerifyOptions,
+};
+use morion::internals::profile::{MillControl, Profile};
+use morion::internals::program::ToolPath;
+use morion::internals::results::{ProgramReport, ReasonKind, Verdict};
+
+fn milled(profile: &Profile) -> (ProgramReport, Vec<OutputFile>) {
+    ProgramOptions.in_memory(profile, &Silent).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn refused(profile: &Profile) -> String {
+    match ProgramOptions.in_memory(profile, &Silent) {
+        Err(error @ Error::Milling { .. }) => error.to_string(),
+        Err(error) => panic!("{error}"),
+        Ok(_) => panic!("it is milled"),
+    }
+}
+
+fn text(files: &[OutputFile], name: &str) -> String {
+    let file = files.iter().find(|file| file.name == name).unwrap_or_else(|| panic!("no {name}"));
+    String::from_utf8(file.bytes.clone()).unwrap()
+}
+
+fn cutting_faults(report: &ProgramReport) -> Vec<String> {
+    let cutting =
+        report.reasons.iter().filter(|reason| matches!(reason.kind, ReasonKind::Cutting(_)));
+    cutting.map(ToString::to_string).collect()
+}
+
+/// A crest, a round mirror and a strip: no rapid move and no plunge meets the stock, roughing and semi-finishing leave their allowance
+/// within a tenth, finishing cuts nowhere deeper than a micrometre and a half, its chords included, and its picture is what the
+/// study of its raster foresees.
+#[test]
+fn programs_leave_what_they_are_to_leave() {
+    for name in ["conquistador", "hyperbolic", "panoramic"] {
+        let mut profile = shipped(name);
+        profile.program.finishing.stepover_mm = Some(0.3);
+        profile.program.roughing.allowance_mm = 0.4;
+        let (report, files) = milled(&profile);
+        assert_eq!(cutting_faults(&report), [""; 0], "{name}");
+        let left = |kind: usize| report.operations[kind].left.unwrap();
+        assert!(left(0).least_um > 0.95 * 400.0, "{name}: {:?}", left(0));
+        assert!(left(1).least_um > 0.95 * 400.0, "{name}: {:?}", left(1));
+        // (The allowances of both sides of a crest meet above it, where more stands.)
+        let is_even = name == "conquistador" || left(1).most_um < 1.1 * 400.0;
+        assert!(is_even, "{name}: {:?}", left(1));
+        let program = report.program.as_ref().unwrap();
+        assert!(program.lowest.off_um > -1.5, "{name}: {:?}", program.lowest);
+        let options = MachiningOptions {
+            ball_mm: 3.0,
+            stepover_mm: Some(0.3),
+            angle_deg: Some(report.angle_deg),
+            ..MachiningOptions::default()
+        };
+        let foreseen = options.in_memory(&profile, &Silent).unwrap().0;
+        let [cut, study] = [report.as_cut.as_ref(), foreseen.as_cut.as_ref()]
+            .map(|cut| cut.unwrap().trace.errors.facet_error_px.unwrap().rms);
+        assert!((cut / study - 1.0).abs() < 0.02, "{name}: {cut} px, foreseen {study} px");
+        for operation in &report.operations {
+            let path = ToolPath::read(text(&files, &operation.file).as_bytes()).unwrap();
+            assert!(operation.machine_min > path.cutting_min(), "{name}: {operation:?}");
+            assert!(path.moves.iter().all(|step| step.to.z >= 0.0));
+        }
+    }
+}
+
+fn small(more: &str) -> Profile {
+    let rough = edited(
+        SMALL,
+        &[
+            ("pixel_error_rms_px = 2", "pixel_error_rms_px = 4"),
+            ("pixel_error_max_px = 5", "pixel_error_max_px = 12"),
+        ],
+    );
+    parsed(&format!("{rough}\n[program]\n{more}\n"))
+}
+
+/// All controls get the same moves, and the file that is written is the one that passes when it is verified by itself.
+#[test]
+fn every_control_reads_the_same_moves_and_a_digit_spoils_them() {
+    let read = |control: MillControl| {
+        let mut profile = small("ball_mm = 1.5\nstepover_mm = 0.12");
+        profile.program.control = control;
+        let (report, files) = milled(&profile);
+        assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+        let programs = OperationKind::ALL.map(|kind| text(&files, &format!("{}.ngc", kind.name())));
+        (profile, programs)
+    };
+    let (profile, one) = read(MillControl::Linuxcnc);
+    let moves = |program: &str| {
+        let moves = ToolPath::read(program.as_bytes()).unwrap().moves;
+        moves.into_iter().map(|step| (step.from, step.to, step.feed)).collect::<Vec<_>>()
+    };
+    for control in [MillControl::Grbl, MillControl::Fanuc] {
+        let (_, other) = read(control);
+        for (a, b) in one.iter().zip(&other) {
+            assert_eq!(moves(a), moves(b), "{control:?}");
+        }
+        assert!(other.iter().flat_map(|text| text.lines()).all(|line| line.len() < 80));
+    }
+    let folder = folder();
+    let path = folder.path().join("part.ngc");
+    let verdict = |program: &str| {
+        std::fs::write(&path, program).unwrap();
+        let options = VerifyOptions { ball_mm: Some(1.5), ..VerifyOptions::default() };
+        let verify = Verify { path: &path, options };
+        verify.in_memory(&profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0.verdict
+    };
+    let finishing = &one[2];
+    assert_eq!(verdict(finishing), Verdict::Pass);
+    // A digit of the height of a line in the middle: nine tenths of a millimetre, or a millimetre.
+    let lines: Vec<&str> = finishing.lines().collect();
+    let middle = lines.len() / 2;
+    let damaged =
+        lines[middle..].iter().position(|line| line.starts_with('X') && line.contains('Z'));
+    let k = middle + damaged.unwrap();
+    let (before, height) = lines[k].split_once('Z').unwrap();
+    let (whole, tenths) = height.split_once('.').unwrap();
+    let lower = whole.parse::<i32>().unwrap() - 1;
+    let line = format!("{before}Z{lower}.{tenths}");
+    let spoilt = [&lines[..k], &[line.as_str()], &lines[k + 1..]].concat().join("\n");
+    assert_eq!(verdict(&spoilt), Verdict::Fail);
+}
+
+/// A face that is to be polished is held to what is polished off, and its picture is told.
+#[test]
+fn a_polished_face_is_held_to_its_scallops() {
+    let mut profile = small("ball_mm = 1.5\npolish_um = 4");
+    profile.accept.pixel_error_max_px = Some(0.001);
+    let (report, _) = milled(&profile);
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    let highest = report.program.as_ref().unwrap().highest.off_um;
+    assert!(highest > 1.5 && highest <= 4.0, "{highest}");
+    assert!(report.as_cut.unwrap().trace.errors.pixel_error_px.unwrap().rms > 0.1);
+    profile.program.finishing.stepover_mm = Some(0.6);
+    let (report, _) = milled(&profile);
+    let said = cutting_faults(&report).concat();
+    assert!(said.contains("over the 4 um of program.polish_um"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_milled_is_refused_with_what_would() {
+    let said = refused(&small("ball_mm = 1.5\ntravel_mm = [400, 400, 2]"));
+    assert!(said.contains("along Z, and program.travel_mm has 2 mm"), "{said}");
+    let mut valley = small("ball_mm = 60\nstepover_mm = 1");
+    valley.part.base_mm = 0.5;
+    let said = refused(&valley);
+    assert!(said.contains("program.ball_mm") || said.contains("part.base_mm"), "{said}");
+    let panels = refused(&shipped("four-views"));
+    assert!(panels.contains("panels"), "{panels}");
+}
