@@ -7,7 +7,10 @@ use super::levels::LevelCut;
 use super::motions::TipMove;
 use super::stock_block::StockBlock;
 use super::surface_lines::SurfaceCut;
-use crate::machining::{BallRaster, Passes, SurfaceAnalysis, bounding_corners, plan_outlines};
+use crate::machining::{
+    BallRaster, MOST_POINTS, MachiningError, Passes, SurfaceAnalysis, bounding_corners,
+    plan_outlines,
+};
 use crate::mirror::Mirror;
 use crate::profile::ProgramSpec;
 use schemars::JsonSchema;
@@ -109,6 +112,7 @@ impl MillingTask<'_> {
     /// [`MillingError`] when lines cannot be worked out, or the ball would go below what is around the mirror.
     pub fn operations(&self) -> Result<Vec<Operation>, MillingError> {
         self.check_floor()?;
+        self.check_hollow()?;
         let operations = OperationKind::ALL.map(|kind| match kind {
             OperationKind::Roughing => self.roughing(),
             OperationKind::SemiFinishing => self.semi_finishing(),
@@ -144,6 +148,26 @@ impl MillingTask<'_> {
         }
     }
 
+    /// That balls which leave an allowance fit where the mirror is most hollow, as a ball that is larger by as much must.
+    fn check_hollow(&self) -> Result<(), MillingError> {
+        let Some(hollow) = self.analysis.least_hollow_mm() else { return Ok(()) };
+        let allowance_mm = self.spec.roughing.allowance_mm;
+        let balls = [
+            (self.rough_ball_mm(), "roughing", "program.rough_ball_mm"),
+            (self.raster.ball_mm, "semi-finishing", "program.ball_mm"),
+        ];
+        let tight = balls.into_iter().find(|(ball_mm, ..)| ball_mm + allowance_mm > hollow.value);
+        tight.map_or(Ok(()), |(ball_mm, what, key)| {
+            let [x, y, _] = hollow.at_mm;
+            let why = format!(
+                "at X {x:.3} mm, Y {y:.3} mm the mirror is hollow with a radius of {:.4} mm, less than the ball's {ball_mm} mm and \
+                 program.allowance_mm of {allowance_mm} mm",
+                hollow.value
+            );
+            Err(MillingError::Unreached { why, what, key })
+        })
+    }
+
     /// The lines of a ball of radius `ball_mm` that leaves `allowance_mm`.
     fn lines(
         &self,
@@ -153,7 +177,14 @@ impl MillingTask<'_> {
     ) -> Result<TipLines, MillingError> {
         let raster = BallRaster { ball_mm: ball_mm + allowance_mm, stepover_mm, ..self.raster };
         let corners = bounding_corners(&plan_outlines(self.mirror));
-        let paths = Passes::new(self.mirror, corners, raster)?.paths(chord_mm, longest_mm);
+        let passes = Passes::new(self.mirror, corners, raster).map_err(|error| match error {
+            MachiningError::TooFine { count, .. } => {
+                let (what, key) = ("the lines", "stepover_mm");
+                MillingError::Many { what, count, most: MOST_POINTS, key }
+            }
+            other => other.into(),
+        })?;
+        let paths = passes.paths(chord_mm, longest_mm);
         let mut lines = TipLines::new(&paths, ball_mm, self.mirror.folded);
         let all = lines.across.iter_mut().chain(&mut lines.ridge);
         all.for_each(|line| line.raise(self.floor_mm));

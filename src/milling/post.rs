@@ -61,7 +61,9 @@ fn begin(text: &mut String, header: &Header, operation: &Operation) {
         }
         MillControl::Grbl => {}
     }
-    let _ = writeln!(text, "S{} M3\nG4 P2", operation.speeds.spindle_rpm.round());
+    // Two seconds for the spindle; a Fanuc takes P for milliseconds.
+    let dwell = if header.control == MillControl::Fanuc { "X2." } else { "P2" };
+    let _ = writeln!(text, "S{} M3\nG4 {dwell}", operation.speeds.spindle_rpm.round());
     let _ = writeln!(text, "G0 Z{}", number(safe));
 }
 
@@ -168,6 +170,6 @@ mod tests {
         assert!(linuxcnc.contains("\nG64 P0.0010\nT1 M6\nG43 H1\n") && linuxcnc.ends_with("M2\n"));
         let fanuc = text(MillControl::Fanuc);
         assert!(fanuc.starts_with("%\nO0001\n(PART") && fanuc.ends_with("M30\n%\n"));
-        assert!(fanuc.contains("G43 H1 G0 Z20.\n"));
+        assert!(fanuc.contains("G43 H1 G0 Z20.\n") && fanuc.contains("G4 X2.\n"));
     }
 }

@@ -81,6 +81,28 @@ fn small(more: &str) -> Profile {
     parsed(&format!("{rough}\n[program]\n{more}\n"))
 }
 
+/// A spherical bowl of 20 mm radius that is given.
+const BOWL: &str = r#"
+[camera.orthographic]
+pixels = [100, 100]
+
+[layout.disc]
+
+[mirror.polynomial]
+radius_mm = 20
+conic = 0
+
+[part]
+width_mm = 20
+base_mm = 5
+
+[mesh]
+chord_um = 5
+
+[export]
+formats = ["stl"]
+"#;
+
 /// All controls get the same moves, and the file that is written is the one that passes when it is verified by itself.
 #[test]
 fn every_control_reads_the_same_moves_and_a_digit_spoils_them() {
@@ -148,10 +170,17 @@ fn a_polished_face_is_held_to_its_scallops() {
 fn what_cannot_be_milled_is_refused_with_what_would() {
     let said = refused(&small("ball_mm = 1.5\ntravel_mm = [400, 400, 2]"));
     assert!(said.contains("along Z, and program.travel_mm has 2 mm"), "{said}");
-    let mut valley = small("ball_mm = 60\nstepover_mm = 1");
-    valley.part.base_mm = 0.5;
-    let said = refused(&valley);
-    assert!(said.contains("program.ball_mm") || said.contains("part.base_mm"), "{said}");
+    // Hollow with a radius of 20 mm.
+    let said = refused(&parsed(&format!("{BOWL}\n[program]\nball_mm = 3\nrough_ball_mm = 19.9\n")));
+    assert!(
+        said.contains("roughing with such a ball") && said.contains("program.rough_ball_mm"),
+        "{said}"
+    );
+    let said = refused(&parsed(&format!("{BOWL}\n[program]\nball_mm = 25\n")));
+    assert!(
+        said.contains("finishing with such a ball") && said.contains("program.ball_mm"),
+        "{said}"
+    );
     let panels = refused(&shipped("four-views"));
     assert!(panels.contains("panels"), "{panels}");
 }

@@ -15,7 +15,8 @@ import numpy as np
 import opencamlib as ocl
 import trimesh
 
-PLACES = 10_000
+# Places of each program that a ball is dropped over.
+PLACES = {"roughing": 2_000, "semi-finishing": 2_000, "finishing": 10_000}
 NUMBER = r"(-?\d+\.\d+)"
 CANON = re.compile(rf"STRAIGHT_(FEED|TRAVERSE)\({NUMBER}, {NUMBER}, {NUMBER}")
 WORD = re.compile(r"([GXYZ])(-?\d*\.?\d+|-?\d+\.)")
@@ -78,7 +79,7 @@ def no_gouge(folder, operation, mesh, chord_mm):
     drop.setSTL(surface)
     # A larger ball of the same centre leaves the allowance.
     drop.setCutter(ocl.BallCutter(2.0 * (ball + asked), 200.0))
-    chosen = cuts[:PLACES]
+    chosen = cuts[: PLACES[name]]
     for x, y, _ in chosen:
         drop.appendPoint(ocl.CLPoint(x, y, -1000.0))
     drop.run()
