@@ -81,6 +81,16 @@ fn small(more: &str) -> Profile {
     parsed(&format!("{rough}\n[program]\n{more}\n"))
 }
 
+/// Lines beside a bulging rim are interrupted, and go on above what is beside them.
+#[test]
+fn no_line_goes_through_the_mirror_where_it_is_interrupted() {
+    let mut profile = shipped("driver");
+    profile.program.finishing.stepover_mm = Some(0.3);
+    profile.program.finishing.polish_um = Some(100.0);
+    let (report, _) = milled(&profile);
+    assert_eq!(cutting_faults(&report), [""; 0]);
+}
+
 /// A spherical bowl of 20 mm radius that is given.
 const BOWL: &str = r#"
 [camera.orthographic]
