@@ -11,8 +11,6 @@ const OVER_RIDGE: f64 = 1e-6;
 
 /// Slope at which the ball rises from the end of a part, more than that of mirrors, which are seen from above: 63 degrees.
 const RISE: f64 = 2.0;
-/// What the ball is higher than all centres of the passes over its radius, where it is clear of the mirror.
-const CLEAR: f64 = 0.1;
 
 /// The lines of a tip over a mirror.
 pub(super) struct TipLines {
@@ -27,8 +25,8 @@ impl TipLines {
     pub(super) fn new(paths: &BallPaths, radius_mm: f64, folded: bool) -> Self {
         let parts = || paths.lines.iter().flatten().chain(&paths.ridge);
         let highest = parts().flat_map(|part| &part.centres).map(|centre| centre.z);
-        // Between lines the mirror may be higher by their scallops.
-        let clear_mm = highest.fold(f64::NEG_INFINITY, f64::max) + CLEAR * radius_mm;
+        // No contact is higher than its centre: the tip is above all of them.
+        let clear_mm = highest.fold(f64::NEG_INFINITY, f64::max) + radius_mm;
         let over = Bridge { radius_mm, folded, clear_mm };
         let line = |parts: &[BallPath]| {
             let line = joined(parts, over)?;
