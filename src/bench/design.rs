@@ -1,6 +1,6 @@
 //! Degree against error: how far a design of finite degree is from the best one there is.
 
-use super::{BenchError, BenchSweep, Subject, run, timed};
+use super::{BenchError, BenchSweep, BenchTime, Subject, run, timed};
 use crate::design::{DesignFacts, design};
 use crate::num::stats::Summary;
 use crate::pipeline::Error;
@@ -63,6 +63,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
     Ok(BenchSweep {
         name: "design",
         about: "Degree of the design",
+        time: BenchTime::Run,
         setting: "degree",
         error: "surplus_mrad",
         error_axis: "ray error over the least of any design, mrad",

@@ -1,7 +1,7 @@
 //! Run time and memory of the witness against the size of the frame.
 
 use super::memory::{forget_peak, resident};
-use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
+use super::{BenchError, BenchSweep, BenchTime, Subject, convergence_order, run, timed};
 use crate::pipeline::{Run, Silent, build_in_memory};
 use crate::trace::{CameraTrace, TraceStrip, TraceSummary};
 use crate::verdict::expected_rays;
@@ -48,6 +48,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
     Ok(BenchSweep {
         name: "frames",
         about: "Frames of any size",
+        time: BenchTime::Run,
         setting: "megapixels",
         error: "ns_per_pixel",
         error_axis: "time a pixel, ns",

@@ -2,7 +2,8 @@
 
 use super::memory::{forget_peak, resident};
 use super::{
-    BenchError, BenchRun, BenchSweep, ConvergenceOrder, Subject, convergence_order, run, timed,
+    BenchError, BenchRun, BenchSweep, BenchTime, ConvergenceOrder, Subject, convergence_order, run,
+    timed,
 };
 use crate::geom::Precision;
 use crate::mesh::{Face, Limits, MeshError, forecast, mesh};
@@ -82,7 +83,7 @@ pub(super) fn sweep(
         }
     }
     let orders = orders(&runs, per_triangle);
-    Ok(BenchSweep { name, about, setting, error, error_axis, runs, orders })
+    Ok(BenchSweep { name, about, time: BenchTime::Run, setting, error, error_axis, runs, orders })
 }
 
 /// Orders of error and time in the number of triangles, of meshes that are not mostly overhead.

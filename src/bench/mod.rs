@@ -5,6 +5,7 @@ mod fit;
 mod frames;
 mod memory;
 mod mesh;
+mod milling;
 mod plots;
 mod results;
 mod suggest;
@@ -12,7 +13,8 @@ mod trials;
 mod witness;
 
 pub use results::{
-    BenchReport, BenchRun, BenchSweep, ConvergenceOrder, SCHEMA, SuggestedSettings, Suggestion,
+    BenchReport, BenchRun, BenchSweep, BenchTime, ConvergenceOrder, SCHEMA, SuggestedProgram,
+    SuggestedSettings, Suggestion,
 };
 
 use crate::design::Design;
@@ -87,7 +89,7 @@ impl Subject {
     }
 }
 
-/// Sweeps design degree, mesh limits, the witness's rays and Monte Carlo trials; writes `bench.json` and
+/// Sweeps design degree, mesh limits, the witness's rays, Monte Carlo trials, and stepovers of programs; writes `bench.json` and
 /// for each sweep a table (CSV) and a plot (SVG, PNG) into `out`/bench, and profiles with the suggested
 /// settings beside them.
 ///
@@ -125,14 +127,21 @@ pub fn bench(
         swept(Stage::Trace, &|| witness::sweep(&subjects, quick))?,
         swept(Stage::Trials, &|| trials::sweep(&subjects, quick))?,
         swept(Stage::Trace, &|| frames::sweep(&subjects, quick))?,
+        swept(Stage::Plan, &|| Ok(milling::sweep(&subjects, quick)))?,
     ];
     sweeps.iter_mut().for_each(|sweep| mark_pareto(&mut sweep.runs));
 
     let mut suggestions = Vec::new();
     if let Some(target_px) = options.suggest_px {
         for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
-            let (suggestion, text) = suggest::suggest(subject, &sweeps, target_px)?;
+            let (mut suggestion, text) = suggest::suggest(subject, &sweeps, target_px)?;
             if let (Some(found), Some(text)) = (&suggestion.settings, text) {
+                files.add_bytes(&found.file, text.as_bytes())?;
+            }
+            suggestion.program = milling::suggest(subject, &sweeps, target_px);
+            if let Some(found) = &suggestion.program
+                && let Some(text) = milling::edited(&subject.text()?, found)
+            {
                 files.add_bytes(&found.file, text.as_bytes())?;
             }
             suggestions.push(suggestion);

@@ -1,4 +1,4 @@
-//! Sweeps of a benchmark as plots of error against run time, a panel a profile.
+//! Sweeps of a benchmark as plots of error against time, a panel a profile.
 
 use super::{BenchRun, BenchSweep};
 use crate::geom::DVec2;
@@ -26,11 +26,11 @@ const MARKERS: [Marker; 3] = [Marker::Disc, Marker::Square, Marker::Triangle];
 const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 
 impl BenchSweep {
-    /// Error against run time, both logarithmic: a panel a profile, a line a series, with rings around the runs that
+    /// Error against time, both logarithmic: a panel a profile, a line a series, with rings around the runs that
     /// no other of their profile beats in both.
     #[must_use]
     pub fn svg(&self) -> String {
-        self.diagram().svg_file(&format!("{}: error against run time", self.about))
+        self.diagram().svg_file(&format!("{}: error against {}", self.about, self.time.name()))
     }
 
     /// The same as PNG.
@@ -47,7 +47,9 @@ impl BenchSweep {
         let runs: Vec<&BenchRun> = self.runs.iter().filter(shown).collect();
         let curves = curves(&runs);
         let profiles: Vec<&str> = distinct(runs.iter().map(|run| &*run.profile));
-        let x = Axis::logarithmic(runs.iter().map(|run| run.time_ms), "run time, ms");
+        let (unit, factor) = self.time.unit();
+        let label = format!("{}, {unit}", self.time.name());
+        let x = Axis::logarithmic(runs.iter().map(|run| factor * run.time_ms), label);
         let y = Axis::logarithmic(runs.iter().map(|run| run.error), self.error_axis);
         let columns = [1, 2, 3][(profiles.len().saturating_sub(1) / 2).min(2)];
         let rows = profiles.len().div_ceil(columns).max(1);
@@ -70,7 +72,7 @@ impl BenchSweep {
             if k + columns >= profiles.len() {
                 plot.draw_x_ticks();
             }
-            draw_panel(&mut plot, &curves, profile);
+            draw_panel(&mut plot, (&curves, profile), factor);
         }
         let middle = 0.5 * (margins.left + WIDTH);
         diagram.text(Ink::Text, DVec2::new(middle, height - 5.0), Anchor::Middle, &*x.label);
@@ -80,10 +82,10 @@ impl BenchSweep {
     }
 }
 
-/// Draws the curves of a profile, and those of all others faintly behind.
-fn draw_panel(plot: &mut Plot, curves: &[Curve], profile: &str) {
+/// Draws the curves of a profile, and those of all others faintly behind; a millisecond is `factor` of the axis.
+fn draw_panel(plot: &mut Plot, (curves, profile): (&[Curve], &str), factor: f64) {
     let values = |curve: &Curve| -> Vec<[f64; 2]> {
-        curve.runs.iter().map(|run| [run.time_ms, run.error]).collect()
+        curve.runs.iter().map(|run| [factor * run.time_ms, run.error]).collect()
     };
     for curve in curves.iter().filter(|curve| curve.profile != profile) {
         plot.line(Stroke::solid(Ink::Line, 1.0), values(curve));
@@ -93,7 +95,7 @@ fn draw_panel(plot: &mut Plot, curves: &[Curve], profile: &str) {
         plot.line(Stroke { ink, width: 1.5, dash }, values(curve));
         plot.points((ink, marker, 2.2), values(curve));
         let best = curve.runs.iter().filter(|run| run.pareto);
-        let best = best.map(|run| [run.time_ms, run.error]);
+        let best = best.map(|run| [factor * run.time_ms, run.error]);
         plot.points((Ink::Text, Marker::Ring, 4.5), best);
     }
     plot.corner_label(Anchor::End, &fitted(profile));

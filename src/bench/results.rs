@@ -18,7 +18,7 @@ pub struct BenchRun {
     pub series: String,
     /// The setting, in the unit of its sweep.
     pub setting: f64,
-    /// Run time, ms.
+    /// Run time, or time on the machine, ms.
     pub time_ms: f64,
     /// The error, in the unit of its sweep.
     #[schemars(with = "Option<f64>")]
@@ -45,6 +45,36 @@ pub struct ConvergenceOrder {
     pub theory: f64,
 }
 
+/// What takes the time of a sweep's runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BenchTime {
+    /// This program.
+    Run,
+    /// The machine that cuts the mirror.
+    Machine,
+}
+
+impl BenchTime {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Run => "run time",
+            Self::Machine => "time on the machine",
+        }
+    }
+
+    /// The unit that it is shown in, and how many of them are a millisecond.
+    #[must_use]
+    pub fn unit(self) -> (&'static str, f64) {
+        match self {
+            Self::Run => ("ms", 1.0),
+            Self::Machine => ("min", 1.0 / 6e4),
+        }
+    }
+}
+
 /// Runs that differ in one setting.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BenchSweep {
@@ -52,6 +82,8 @@ pub struct BenchSweep {
     pub name: &'static str,
     /// What was swept.
     pub about: &'static str,
+    /// What takes the time.
+    pub time: BenchTime,
     /// The setting, with its unit.
     pub setting: &'static str,
     /// The error, with its unit.
@@ -76,6 +108,8 @@ pub struct Suggestion {
     pub settings: Option<SuggestedSettings>,
     /// The least pixel error of any design, px.
     pub least_px: f64,
+    /// The program; none where the profile's design is farther off, or no ball mills it so.
+    pub program: Option<SuggestedProgram>,
 }
 
 /// Settings of a profile, and what came of them.
@@ -96,6 +130,23 @@ pub struct SuggestedSettings {
     /// Time of design and mesh, ms.
     pub time_ms: f64,
     /// The profile with these settings.
+    pub file: String,
+}
+
+/// The ball and lines that mill the mirror of a profile in the least time on the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct SuggestedProgram {
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of the finishing lines in the plan, mm.
+    pub stepover_mm: f64,
+    /// Their direction from X towards Y, degrees.
+    pub angle_deg: f64,
+    /// Pixel error of the mirror as milled, RMS, as it is foreseen, px.
+    pub pixel_rms_px: f64,
+    /// Time of all operations on the machine, minutes.
+    pub machine_min: f64,
+    /// The profile with this ball and these lines.
     pub file: String,
 }
 
@@ -177,16 +228,19 @@ impl Answer for BenchReport {
 
 impl ToRows for BenchSweep {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let Self { about, setting, error, .. } = self;
+        let Self { about, setting, error, time, .. } = self;
+        let (unit, factor) = time.unit();
         rows.remark(format!("{about} (* nothing is both faster and nearer); error: {error}"));
-        rows.line(format!("  {:21}{:23}{setting:>12}{:>10}  error", "profile", "", "time ms"));
+        let time = format!("time {unit}");
+        rows.line(format!("  {:21}{:23}{setting:>12}{time:>10}  error", "profile", ""));
         for run in &self.runs {
             let BenchRun { profile, series, setting, time_ms, error, pareto, .. } = run;
             let star = if *pareto { " *" } else { "" };
+            let time = factor * time_ms;
             let setting =
                 if setting.fract() == 0.0 { setting.to_string() } else { digits(*setting) };
             rows.line(format!(
-                "  {profile:21}{series:23}{setting:>12}{time_ms:>10.2}  {error:.2e}{star}"
+                "  {profile:21}{series:23}{setting:>12}{time:>10.2}  {error:.2e}{star}"
             ));
         }
         for ConvergenceOrder { of, order, sigma, theory } in &self.orders {
@@ -198,7 +252,7 @@ impl ToRows for BenchSweep {
 
 impl ToRows for Suggestion {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let Self { profile, target_px, settings, least_px } = self;
+        let Self { profile, target_px, settings, least_px, program } = self;
         let Some(found) = settings else {
             let least = digits(*least_px);
             rows.remark(format!(
@@ -213,6 +267,21 @@ impl ToRows for Suggestion {
             "{profile}: {method}{goal} of degree {degree}, facet_px = {facet_px}: {reached} px with \
              {triangles} optical triangles in {time_ms:.0} ms -> {file}"
         ));
+        rows.remark(match program {
+            Some(program) => program.told(profile),
+            None => format!("{profile}: no ball mills its own design to {target_px} px"),
+        });
+    }
+}
+
+impl SuggestedProgram {
+    fn told(&self, profile: &str) -> String {
+        let Self { ball_mm, stepover_mm, angle_deg, pixel_rms_px, machine_min, file } = self;
+        let reached = digits(*pixel_rms_px);
+        format!(
+            "{profile}: milled by a ball of {ball_mm} mm radius, lines {stepover_mm} mm apart at {angle_deg} deg: {reached} px in \
+             {machine_min:.0} min on the machine -> {file}"
+        )
     }
 }
 
@@ -236,6 +305,7 @@ pub(super) mod tests {
         BenchSweep {
             name: "design",
             about: "Degree",
+            time: BenchTime::Run,
             setting: "degree",
             error: "surplus_mrad",
             error_axis: "ray error over the least of any design, mrad",

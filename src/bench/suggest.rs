@@ -29,8 +29,13 @@ pub(super) fn suggest(
     let (designs, meshes) = (of("design"), of("mesh-facet"));
     let design_px = |run: &BenchRun| run.figures["pixel_rms_px"];
     let least_px = designs.iter().map(|run| design_px(run)).fold(f64::INFINITY, f64::min);
-    let mut suggestion =
-        Suggestion { profile: subject.name().to_owned(), target_px, settings: None, least_px };
+    let mut suggestion = Suggestion {
+        profile: subject.name().to_owned(),
+        target_px,
+        settings: None,
+        least_px,
+        program: None,
+    };
     // By the time that the design takes and a mesh which leaves the rest of the error to facets.
     let mut candidates: Vec<(f64, &BenchRun, f64)> = designs
         .iter()

@@ -1,6 +1,6 @@
 //! Monte Carlo trials against the width of the yield's interval.
 
-use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
+use super::{BenchError, BenchSweep, BenchTime, Subject, convergence_order, run, timed};
 use crate::pipeline::{PreparedStudy, Run, Silent, prepared};
 use crate::tolerance::{Yield, quantile};
 use std::convert::Infallible;
@@ -49,6 +49,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
     Ok(BenchSweep {
         name: "trials",
         about: "Trials of the Monte Carlo",
+        time: BenchTime::Run,
         setting: "trials",
         error: "interval_width",
         error_axis: "width of the yield's 95 % interval",

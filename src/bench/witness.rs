@@ -1,6 +1,6 @@
 //! Rays of the witness against the error of the pixel error that it finds.
 
-use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
+use super::{BenchError, BenchSweep, BenchTime, Subject, convergence_order, run, timed};
 use crate::design::Design;
 use crate::pipeline::{Run, Silent, build_in_memory};
 use crate::trace::{CameraTrace, Scene, TraceStrip, TraceSummary};
@@ -38,6 +38,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
     Ok(BenchSweep {
         name: "witness",
         about: "Rays of the witness",
+        time: BenchTime::Run,
         setting: "rays",
         error: "error_px",
         error_axis: "error of the RMS pixel error, px",

@@ -58,7 +58,7 @@ pub(super) enum CommandArg {
     Inspect(InspectArgs),
     /// The drawing of the part that a shop signs, as PDF and DXF, into DIR/NAME/
     Drawing(DrawingArgs),
-    /// Run time against error of design, mesh, witness and trials, into DIR/bench/
+    /// Run time against error of design, mesh, witness, trials and programs, into DIR/bench/
     Bench(BenchArgs),
     /// A page on this machine in which a profile is changed and seen, until Ctrl-C; builds go into DIR/studio/
     #[cfg(feature = "studio")]

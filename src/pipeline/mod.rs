@@ -28,6 +28,7 @@ mod obstacles;
 mod page_figures;
 mod part_drawing;
 mod program;
+mod program_forecast;
 mod render;
 mod replay;
 mod run;
@@ -72,6 +73,7 @@ pub(crate) use {
     in_memory_build::build_in_memory,
     mesh_files::meshed,
     observer::StageTimer,
+    program_forecast::ProgramForecast,
     run::{Run, designed},
     tolerance_spec::{PreparedStudy, prepared},
 };

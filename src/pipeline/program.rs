@@ -37,7 +37,7 @@ const PLACES_A_LINE: f64 = 2.0;
 /// Height of scallops over what a polish takes away, of the study's first order.
 const SCALLOPS_OF_POLISH: f64 = 0.9;
 
-fn refused(profile: &Profile, source: impl Into<MillingError>) -> Error {
+pub(super) fn refused(profile: &Profile, source: impl Into<MillingError>) -> Error {
     Error::Milling { profile: profile.name.clone(), source: source.into() }
 }
 
@@ -64,10 +64,7 @@ impl Command for ProgramOptions {
         })?;
         let mut shop = Shop {
             block: MilledBlock::new(&design, task.stock),
-            limits: MachineLimits {
-                rapid_mm_min: run.profile.program.machine.rapid_mm_min,
-                acceleration_mm_s2: run.profile.program.machine.acceleration_mm_s2,
-            },
+            limits: limits(run.profile),
             read: Vec::new(),
             maps: Vec::new(),
         };
@@ -90,7 +87,10 @@ impl Command for ProgramOptions {
 }
 
 /// The study of the finishing raster, which keeps the picture within the profile's limits where it does not name its lines.
-fn survey<'a>(profile: &Profile, design: &'a Design) -> Result<CutterSurvey<'a>, MillingError> {
+pub(super) fn survey<'a>(
+    profile: &Profile,
+    design: &'a Design,
+) -> Result<CutterSurvey<'a>, MillingError> {
     let FinishingSpec { ball_mm, stepover_mm, budget_px, angle_deg, .. } =
         profile.program.finishing;
     let FinishingSpec { scallop_um, polish_um, chord_um, .. } = profile.program.finishing;
@@ -137,7 +137,7 @@ fn survey<'a>(profile: &Profile, design: &'a Design) -> Result<CutterSurvey<'a>,
 }
 
 /// What is to be milled.
-fn task<'a>(
+pub(super) fn task<'a>(
     profile: &'a Profile,
     design: &'a Design,
     survey: &'a CutterSurvey<'a>,
@@ -153,6 +153,15 @@ fn task<'a>(
         stock: StockBlock { min, max, top_mm },
         floor_mm: border.map_or(0.0, |border| border.top_mm),
         has_rim: border.is_some(),
+    }
+}
+
+/// What the machine's axes can do.
+pub(super) fn limits(profile: &Profile) -> MachineLimits {
+    let machine = &profile.program.machine;
+    MachineLimits {
+        rapid_mm_min: machine.rapid_mm_min,
+        acceleration_mm_s2: machine.acceleration_mm_s2,
     }
 }
 

@@ -4,7 +4,8 @@ use crate::support::builds::{SMALL, files, folder, morion, save, told};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-const SWEEPS: [&str; 6] = ["design", "mesh-facet", "mesh-chord", "witness", "trials", "frames"];
+const SWEEPS: [&str; 7] =
+    ["design", "mesh-facet", "mesh-chord", "witness", "trials", "frames", "program"];
 
 #[test]
 fn sweeps_are_tables_and_plots_and_lead_to_settings_that_hold() {
@@ -58,6 +59,18 @@ fn sweeps_are_tables_and_plots_and_lead_to_settings_that_hold() {
     let report: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{code} {err}"));
     assert_eq!(number(&report["trace"][0]["pixel_error_px"]["rms"]), said);
     assert_eq!(report["mesh"]["optical_triangles"], found["triangles"]);
+
+    // So does the suggested program.
+    let (found, theory) = order("program", "scallops ~ stepover").unwrap();
+    assert!((found - theory).abs() < 0.02, "{found}");
+    let found = &bench["suggestions"][0]["program"];
+    let file = format!("out/bench/{}", found["file"].as_str().unwrap());
+    let (code, out, err) = told(&morion(folder.path(), &["program", &file, "--format", "json"]));
+    let report: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{code} {err}"));
+    let traced = number(&report["as_cut"]["trace"]["pixel_error_px"]["rms"]);
+    assert!(traced <= 1.5 && number(&found["pixel_rms_px"]) <= 1.5, "{traced} {found}");
+    let minutes = number(&report["machine_min"]);
+    assert!((minutes / number(&found["machine_min"]) - 1.0).abs() < 1e-3, "{minutes} {found}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Drawings of parts: their figures, their files, and what goes with them.
 
 use crate::support::builds::{SMALL, edited, folder, morion, save, told};
-use crate::support::shipped;
+use crate::support::{share, shipped};
 use morion::internals::design::design;
 use morion::internals::pipeline::{Command, DrawingOptions, Silent};
 use morion::internals::profile::{Profile, Shipped};
@@ -38,7 +38,7 @@ fn mm(value: f64) -> String {
 #[test]
 fn every_shipped_mirror_is_drawn_with_its_own_sizes_and_tolerances() {
     let out = folder();
-    for Shipped { name, .. } in morion::shipped() {
+    for Shipped { name, .. } in share(4, 1, morion::shipped()) {
         let profile = shipped(name);
         let report = DrawingOptions.publish(&profile, out.path(), &Silent).unwrap();
         let (facts, design) = (report.drawing, design(&profile).unwrap());

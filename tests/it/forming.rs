@@ -3,7 +3,7 @@
 
 use crate::support::builds::{folder, parsed};
 use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP};
-use crate::support::{designed, meshed, unlimited, with_limits};
+use crate::support::{designed, meshed, share, unlimited, with_limits};
 use morion::internals::design::{DesignError, design};
 use morion::internals::forming::{FormedFace, FormingFault, FormingTool, ParallelSurface};
 use morion::internals::geom::{DVec2, DVec3, Precision};
@@ -144,14 +144,17 @@ fn closed(
 /// expected volume, each vertex and curved face where it is designed, and the picture of what is formed that of the part.
 #[test]
 fn tools_of_every_layout_pass_in_every_format() {
-    for (base, forming) in [
+    let bases = [
         (STRIP, "sheet_mm = 1.5, mirror_side = \"free\""),
         (CONQUISTADOR, "sheet_mm = 1, mirror_side = \"tool\", shrinkage_ppm = 4000"),
         (DISC, "sheet_mm = 1, mirror_side = \"free\", draft_deg = 10"),
         (ANNULUS, "sheet_mm = 0.8, mirror_side = \"free\", shrinkage_ppm = 4000"),
         (PINHOLE, "sheet_mm = 1.5, mirror_side = \"free\""),
         (GIVEN, "sheet_mm = 1.5, mirror_side = \"free\", draft_deg = 30"),
-    ] {
+    ];
+    let cases = bases.into_iter().flat_map(|base| [(base, "mould"), (base, "mandrel")]);
+    // (A conquistador's mould and an annulus's mandrel, which are written in every format.)
+    for ((base, forming), form) in share(5, 2, cases) {
         let layout = if base == GIVEN { "layout.disc = {}\n" } else { "" };
         let formats = match base {
             // A round outline with a mirror that is not round has no spline of a tool.
@@ -159,31 +162,29 @@ fn tools_of_every_layout_pass_in_every_format() {
             ANNULUS | CONQUISTADOR => FORMATS.1,
             _ => "[\"stl\", \"step\"]",
         };
-        for form in ["mould", "mandrel"] {
-            let text = format!("{base}{layout}{}forming = {{ {forming} }}\n", part(form));
-            let source = unlimited(parsed(&text.replace(FORMATS.0, formats)));
-            // With the facets that the tool has, which keep to a share of the limits.
-            let share = design(&source).unwrap().tool.unwrap().mesh_share();
-            let plain = part("part").replace(", form = \"part\"", "");
-            let text = format!("{base}{layout}{plain}");
-            let plain = unlimited(parsed(&text.replace(FORMATS.0, "[\"stl\"]")));
-            let [chord_um, facet_px] = [plain.mesh.chord_um(), plain.mesh.facet_px()];
-            let [chord_um, facet_px] = [chord_um, facet_px].map(|limit| limit.map(|x| share * x));
-            let of_part = built(&with_limits(plain, chord_um, facet_px));
-            let report = built(&source);
-            assert_eq!(report.verdict, Verdict::Pass, "{text}: {:?}", report.reasons);
-            for trace in &report.trace {
-                assert_eq!(trace.solid.check.euler, 0, "{text}");
-                let (here, there) = (&trace.errors, &of_part.trace[0].errors);
-                if let (Some(here), Some(there)) = (&here.pixel_error_px, &there.pixel_error_px) {
-                    let off = (here.rms - there.rms).abs();
-                    assert!(off < 0.02 * there.rms, "{text}: {} {}", here.rms, there.rms);
-                }
+        let text = format!("{base}{layout}{}forming = {{ {forming} }}\n", part(form));
+        let source = unlimited(parsed(&text.replace(FORMATS.0, formats)));
+        // With the facets that the tool has, which keep to a share of the limits.
+        let share = design(&source).unwrap().tool.unwrap().mesh_share();
+        let plain = part("part").replace(", form = \"part\"", "");
+        let text = format!("{base}{layout}{plain}");
+        let plain = unlimited(parsed(&text.replace(FORMATS.0, "[\"stl\"]")));
+        let [chord_um, facet_px] = [plain.mesh.chord_um(), plain.mesh.facet_px()];
+        let [chord_um, facet_px] = [chord_um, facet_px].map(|limit| limit.map(|x| share * x));
+        let of_part = built(&with_limits(plain, chord_um, facet_px));
+        let report = built(&source);
+        assert_eq!(report.verdict, Verdict::Pass, "{text}: {:?}", report.reasons);
+        for trace in &report.trace {
+            assert_eq!(trace.solid.check.euler, 0, "{text}");
+            let (here, there) = (&trace.errors, &of_part.trace[0].errors);
+            if let (Some(here), Some(there)) = (&here.pixel_error_px, &there.pixel_error_px) {
+                let off = (here.rms - there.rms).abs();
+                assert!(off < 0.02 * there.rms, "{text}: {} {}", here.rms, there.rms);
             }
-            assert_eq!(report.holes.len(), 1);
-            let side = if form == "mould" { -3.0 } else { 3.0 };
-            assert_eq!(report.holes[0].at_mm, [50.0, side]);
         }
+        assert_eq!(report.holes.len(), 1);
+        let side = if form == "mould" { -3.0 } else { 3.0 };
+        assert_eq!(report.holes[0].at_mm, [50.0, side]);
     }
 }
 

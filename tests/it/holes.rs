@@ -3,7 +3,7 @@
 
 use crate::support::builds::{folder, parsed};
 use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP};
-use crate::support::{designed, unlimited};
+use crate::support::{designed, share, unlimited};
 use morion::internals::design::{DesignError, design};
 use morion::internals::pipeline::{Silent, build, verify};
 use morion::internals::profile::Profile;
@@ -95,13 +95,14 @@ fn a_part_is_smaller_by_the_closed_forms_of_its_holes() {
 /// Every format of every layout passes: closed, of the expected volume, each vertex and curved face where it is designed.
 #[test]
 fn parts_with_holes_of_every_kind_pass_in_every_format() {
-    for (base, part, through) in [
+    let cases = [
         (CONQUISTADOR, PART, ""),
         (DISC, PART, ""),
         (PINHOLE, PART, ""),
         (STRIP, BORDERED, THROUGH),
         (ANNULUS, BORDERED, THROUGH),
-    ] {
+    ];
+    for (base, part, through) in share(4, 0, cases) {
         let text = format!("{base}{part}{BLIND}{through}").replace(FORMATS.0, FORMATS.1);
         let folder = folder();
         let source = unlimited(parsed(&text));

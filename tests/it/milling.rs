@@ -10,6 +10,9 @@ use morion::internals::profile::{MillControl, Profile};
 use morion::internals::program::ToolPath;
 use morion::internals::results::{ProgramReport, ReasonKind, Verdict};
 
+/// From line to line of finishing, mm.
+const STEPOVER_MM: f64 = 0.3;
+
 fn milled(profile: &Profile) -> (ProgramReport, Vec<OutputFile>) {
     ProgramOptions.in_memory(profile, &Silent).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -40,7 +43,7 @@ fn cutting_faults(report: &ProgramReport) -> Vec<String> {
 fn programs_leave_what_they_are_to_leave() {
     for name in ["conquistador", "hyperbolic", "panoramic"] {
         let mut profile = shipped(name);
-        profile.program.finishing.stepover_mm = Some(0.3);
+        profile.program.finishing.stepover_mm = Some(STEPOVER_MM);
         profile.program.roughing.allowance_mm = 0.4;
         let (report, files) = milled(&profile);
         assert_eq!(cutting_faults(&report), [""; 0], "{name}");
@@ -54,7 +57,7 @@ fn programs_leave_what_they_are_to_leave() {
         assert!(program.lowest.off_um > -1.5, "{name}: {:?}", program.lowest);
         let options = MachiningOptions {
             ball_mm: 3.0,
-            stepover_mm: Some(0.3),
+            stepover_mm: Some(STEPOVER_MM),
             angle_deg: Some(report.angle_deg),
             ..MachiningOptions::default()
         };
@@ -85,7 +88,7 @@ fn small(more: &str) -> Profile {
 #[test]
 fn no_line_goes_through_the_mirror_where_it_is_interrupted() {
     let mut profile = shipped("driver");
-    profile.program.finishing.stepover_mm = Some(0.3);
+    profile.program.finishing.stepover_mm = Some(1.0);
     profile.program.finishing.polish_um = Some(100.0);
     let (report, _) = milled(&profile);
     assert_eq!(cutting_faults(&report), [""; 0]);

@@ -2,7 +2,7 @@
 //! spoil a part is found.
 
 use crate::support::builds::{SMALL, edited, folder, morion, parsed, save, told};
-use crate::support::{designed, shipped};
+use crate::support::{designed, share, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::pipeline::{Command, MachiningOptions, Silent, Verify, VerifyOptions};
@@ -57,7 +57,8 @@ fn verified(profile: &Profile, program: &str, ball_mm: f64) -> VerifyReport {
 /// of the scallops.
 #[test]
 fn a_raster_cuts_what_machining_foresees() {
-    for (name, stepover_mm) in [("conquistador", 0.4), ("panoramic", 0.3), ("hyperbolic", 0.4)] {
+    let cases = [("conquistador", 0.4), ("panoramic", 0.3), ("hyperbolic", 0.4)];
+    for (name, stepover_mm) in share(3, 1, cases) {
         let profile = shipped(name);
         let design = designed(&profile);
         let ball_mm = 3.0;

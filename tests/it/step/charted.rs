@@ -89,7 +89,7 @@ fn compare(name: &str, body: &Body) -> usize {
 
 #[test]
 fn rays_of_a_camera_meet_mirrors_where_each_ray_does() {
-    for case in share(7, 1, all()) {
+    for case in share(14, 1, all()) {
         let body = Body::read(&written(&case, &fitted(&case))).unwrap();
         let met = compare(&case.name, &body);
         assert!(met > 5_000, "{}: {met}", case.name);

@@ -1,0 +1,66 @@
+//! What the programs of a profile will take and leave, by plan and study alone: no file is written.
+
+use super::Error;
+use super::program::{limits, refused, survey, task};
+use crate::design::Design;
+use crate::milling::{Operation, Pace, TipMove};
+use crate::num::stats::Summary;
+use crate::profile::Profile;
+use crate::program::ToolMove;
+use crate::verdict::ProgramCut;
+
+/// What programs take and leave.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ProgramForecast {
+    /// Distance of the finishing lines in the plan, mm.
+    pub stepover_mm: f64,
+    /// Their direction from X towards Y, degrees.
+    pub angle_deg: f64,
+    /// How far scallops displace the pixels, px; none without a projection.
+    pub scallops_px: Option<Summary>,
+    /// Time of all operations on the machine, minutes.
+    pub machine_min: f64,
+    /// Moves of all operations.
+    pub moves: usize,
+}
+
+impl ProgramForecast {
+    /// The programs of `profile`.
+    ///
+    /// # Errors
+    /// [`Error::Milling`] where the mirror cannot be milled so.
+    pub(crate) fn new(profile: &Profile, design: &Design) -> Result<Self, Error> {
+        let refused = |why| refused(profile, why);
+        let survey = survey(profile, design).map_err(refused)?;
+        let operations = task(profile, design, &survey).operations().map_err(refused)?;
+        let machine = limits(profile);
+        let minutes = |operation| machine.minutes(&tool_moves(operation));
+        let found = &survey.found;
+        Ok(Self {
+            stepover_mm: found.stepover_mm,
+            angle_deg: found.angle_deg,
+            scallops_px: found.scallops.as_ref().and_then(|scallops| scallops.pixel_error_px),
+            machine_min: operations.iter().map(minutes).sum(),
+            moves: operations.iter().map(|operation| operation.motions.len()).sum(),
+        })
+    }
+
+    /// The least stepover, mm, whose programs are cut and traced on the mirror of `design`.
+    pub(crate) fn narrowest_mm(design: &Design) -> f64 {
+        ProgramCut::narrowest_mm(&design.mirror)
+    }
+}
+
+/// The moves of an operation from its first place on, as they are read back but for the rounding of figures.
+fn tool_moves(operation: &Operation) -> Vec<ToolMove> {
+    let speeds = operation.speeds;
+    let step = |pair: &[TipMove]| {
+        let feed = match pair[1].pace {
+            Pace::Rapid => None,
+            Pace::Entry => Some(speeds.entry_feed_mm_min),
+            Pace::Cut => Some(speeds.feed_mm_min),
+        };
+        ToolMove { from: pair[0].to, to: pair[1].to, feed, line: 0 }
+    };
+    operation.motions.windows(2).map(step).collect()
+}
