@@ -92,7 +92,7 @@ fn planned(subject: &Subject, ball_mm: f64, stepover_mm: f64) -> Result<Option<M
     let milled = forecast.scallops_px.zip(own).map(|(scallops, own)| Milled {
         ball_mm,
         scallop_px: scallops.rms,
-        pixel_px: own.rms.hypot(scallops.rms),
+        pixel_px: (own.rms * own.rms + scallops.rms * scallops.rms).sqrt(),
         forecast,
     });
     Ok(milled)
