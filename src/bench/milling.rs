@@ -1,24 +1,26 @@
 //! Time on the machine against the pixel error of a mirror as milled.
 
+use super::profile_edit::{document, set};
 use super::{BenchRun, BenchSweep, BenchTime, Subject, SuggestedProgram, convergence_order, run};
 use crate::num::rounding::floor_four_digits;
 use crate::pipeline::{Error, ProgramForecast};
 use crate::profile::FinishingSpec;
-use toml_edit::{DocumentMut, Item, Table, value};
+use crate::verdict::ProgramCut;
+use toml_edit::{Item, Table, value};
 
 const NAME: &str = "program";
 /// Radii of balls that shops have, mm.
 const RADII_MM: [f64; 5] = [1.0, 2.0, 3.0, 5.0, 8.0];
 /// Stepovers over the ball's radius: from lines that a polish is to follow to those of hours.
 const STEPOVERS: [f64; 6] = [0.4, 0.25, 0.16, 0.1, 0.06, 0.04];
-/// What scallops are foreseen to leave, as a share of what they may: a trace finds within two hundredths of it.
-const AIM: f64 = 0.97;
+/// What scallops are foreseen to leave, as a share of what they may: the chords of the moves along the lines add up to a sixteenth, and
+/// a trace finds within two hundredths of that.
+const AIM: f64 = 0.92;
 /// Keys of what else would choose the lines.
 const OTHER_KEYS: [&str; 3] = ["scallop_um", "budget_px", "polish_um"];
 
 /// Programs of balls of several radii, the profile's own among them, with wider and narrower lines. The error is what the design
-/// and its scallops leave, which are independent. Scallops are as steep as the lines are apart; the time is that of all
-/// operations.
+/// and its scallops leave, which are independent. Scallops are as steep as the lines are apart; the time is that of all operations.
 /// A mirror that cannot be milled by a ball on three axes has no runs.
 pub(super) fn sweep(subjects: &[Subject], quick: bool) -> BenchSweep {
     let mut runs: Vec<BenchRun> = Vec::new();
@@ -28,7 +30,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> BenchSweep {
         if !radii_mm.contains(&own_mm) {
             radii_mm.push(own_mm);
         }
-        let narrowest_mm = ProgramForecast::narrowest_mm(&subject.design);
+        let narrowest_mm = ProgramCut::narrowest_mm(&subject.design.mirror);
         for ball_mm in radii_mm {
             let stepovers = STEPOVERS.iter().step_by(if quick { 2 } else { 1 });
             let stepovers_mm = stepovers.map(|share| share * ball_mm);
@@ -108,7 +110,7 @@ pub(super) fn suggest(
     let sweep = sweeps.iter().find(|sweep| sweep.name == NAME)?;
     let own_px = subject.design.facts.pixel_error_px?.rms;
     let left_px = (target_px * target_px - own_px * own_px).max(0.0).sqrt();
-    let narrowest_mm = ProgramForecast::narrowest_mm(&subject.design);
+    let narrowest_mm = ProgramCut::narrowest_mm(&subject.design.mirror);
     let mut balls: Vec<&BenchRun> = Vec::new();
     for run in sweep.runs.iter().filter(|run| run.profile == subject.name()) {
         if balls.iter().all(|other| other.series != run.series) {
@@ -137,16 +139,15 @@ pub(super) fn suggest(
 
 /// `text` with the ball and the lines of a program; none where it is no table.
 pub(super) fn edited(text: &[u8], program: &SuggestedProgram) -> Option<String> {
-    let mut profile: DocumentMut = std::str::from_utf8(text).ok()?.parse().ok()?;
+    let mut profile = document(text)?;
     let table = profile.entry("program").or_insert(Item::Table(Table::new()));
-    let table = table.as_table_like_mut()?;
     for key in OTHER_KEYS {
-        table.remove(key);
+        table.as_table_like_mut()?.remove(key);
     }
     let SuggestedProgram { ball_mm, stepover_mm, angle_deg, .. } = *program;
     let figures = [("ball_mm", ball_mm), ("stepover_mm", stepover_mm), ("angle_deg", angle_deg)];
     for (key, figure) in figures {
-        table.insert(key, value(figure));
+        set(table, key, value(figure));
     }
     Some(profile.to_string())
 }
@@ -167,8 +168,11 @@ mod tests {
             file: "a.toml".into(),
         };
         for shipped in shipped() {
-            let before = format!("{}\n[program]\npolish_um = 3\nteeth = 3\n", shipped.text);
-            for text in [shipped.text, &before] {
+            let before = format!(
+                "{}\n[program]\npolish_um = 3\nball_mm = 2 # the one at hand\n",
+                shipped.text
+            );
+            for (text, had) in [(shipped.text, false), (&before, true)] {
                 let text = edited(text.as_bytes(), &program).unwrap();
                 let after = Profile::parse(shipped.name, shipped.name, text.as_bytes());
                 let after = after.unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -176,6 +180,7 @@ mod tests {
                     after.program.finishing;
                 assert_eq!((ball_mm, stepover_mm), (5.0, Some(0.25)), "{text}");
                 assert_eq!((angle_deg, polish_um), (Some(90.0), None), "{text}");
+                assert_eq!(text.contains("ball_mm = 5.0 # the one at hand"), had, "{text}");
             }
         }
     }

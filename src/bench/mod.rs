@@ -7,6 +7,7 @@ mod memory;
 mod mesh;
 mod milling;
 mod plots;
+mod profile_edit;
 mod results;
 mod suggest;
 mod trials;

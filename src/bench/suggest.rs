@@ -1,13 +1,14 @@
 //! The cheapest settings that reach a pixel error.
 
 use super::design::METHODS;
+use super::profile_edit::{document, set};
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
 use crate::num::rounding::two_digits_below;
 use crate::num::stats::Summary;
 use crate::pipeline::{Run, Silent, build_in_memory, designed, meshed};
 use crate::profile::{MeshGoal, Method, Profile, ShapeSpec};
 use std::time::Instant;
-use toml_edit::{DocumentMut, Item, Table, value};
+use toml_edit::{Item, Table, value};
 
 /// How often the facets' limit is corrected by what the witness finds.
 const TRIES: usize = 4;
@@ -112,14 +113,7 @@ fn reached(
 
 /// `text` with other settings; none where it is no table of a designed mirror.
 fn edited(text: &[u8], method: &Method, facet_px: f64) -> Option<String> {
-    let mut profile: DocumentMut = std::str::from_utf8(text).ok()?.parse().ok()?;
-    let set = |table: &mut Item, key: &str, new: Item| {
-        let decor = table.get(key).and_then(Item::as_value).map(|old| old.decor().clone());
-        table[key] = new;
-        if let (Some(decor), Some(value)) = (decor, table[key].as_value_mut()) {
-            *value.decor_mut() = decor;
-        }
-    };
+    let mut profile = document(text)?;
     let methods = profile.get_mut("method")?;
     let name = method.kind.name();
     if methods.get(name).is_none() {

@@ -1,5 +1,6 @@
 //! Feeds and speeds to begin with, by the material of the stock.
 
+use super::motions::Pace;
 use crate::num::rounding::significant;
 use crate::profile::{MachineSpec, ProgramSpec, StockMaterial};
 use schemars::JsonSchema;
@@ -55,6 +56,16 @@ impl Speeds {
         let feed = feed_mm_min.unwrap_or_else(|| significant(usual_feed, 2)).min(max_feed_mm_min);
         let entry_feed_mm_min = significant(ENTRY_SHARE * feed, 2);
         Self { spindle_rpm, feed_mm_min: feed, entry_feed_mm_min }
+    }
+
+    /// Feed of a move, mm/min; none of a rapid one.
+    #[must_use]
+    pub fn feed_of(&self, pace: Pace) -> Option<f64> {
+        match pace {
+            Pace::Rapid => None,
+            Pace::Entry => Some(self.entry_feed_mm_min),
+            Pace::Cut => Some(self.feed_mm_min),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Programs: the text of an operation as a control reads it.
 
-use super::motions::{Pace, TipMove};
+use super::motions::TipMove;
 use super::operation::Operation;
 use crate::profile::{MillControl, WorkOffset};
 use std::fmt::Write;
@@ -91,11 +91,8 @@ struct MoveWriter {
 impl MoveWriter {
     fn write(&mut self, text: &mut String, motion: &TipMove, operation: &Operation) {
         let TipMove { to, pace } = *motion;
-        let (word, feed) = match pace {
-            Pace::Rapid => ("G0", None),
-            Pace::Entry => ("G1", Some(operation.speeds.entry_feed_mm_min)),
-            Pace::Cut => ("G1", Some(operation.speeds.feed_mm_min)),
-        };
+        let feed = operation.speeds.feed_of(pace);
+        let word = if feed.is_some() { "G1" } else { "G0" };
         let mut words = Vec::new();
         if word != self.word {
             words.push(word.to_owned());
@@ -124,7 +121,7 @@ impl MoveWriter {
 mod tests {
     use super::*;
     use crate::geom::DVec3;
-    use crate::milling::{OperationKind, Speeds};
+    use crate::milling::{OperationKind, Pace, Speeds};
 
     fn operation() -> Operation {
         let at = |x: f64, z: f64, pace| TipMove { to: DVec3::new(x, -0.00001, z), pace };

@@ -3,11 +3,10 @@
 use super::Error;
 use super::program::{limits, refused, survey, task};
 use crate::design::Design;
-use crate::milling::{Operation, Pace, TipMove};
+use crate::milling::{Operation, TipMove};
 use crate::num::stats::Summary;
 use crate::profile::Profile;
 use crate::program::ToolMove;
-use crate::verdict::ProgramCut;
 
 /// What programs take and leave.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,22 +43,12 @@ impl ProgramForecast {
             moves: operations.iter().map(|operation| operation.motions.len()).sum(),
         })
     }
-
-    /// The least stepover, mm, whose programs are cut and traced on the mirror of `design`.
-    pub(crate) fn narrowest_mm(design: &Design) -> f64 {
-        ProgramCut::narrowest_mm(&design.mirror)
-    }
 }
 
 /// The moves of an operation from its first place on, as they are read back but for the rounding of figures.
 fn tool_moves(operation: &Operation) -> Vec<ToolMove> {
-    let speeds = operation.speeds;
     let step = |pair: &[TipMove]| {
-        let feed = match pair[1].pace {
-            Pace::Rapid => None,
-            Pace::Entry => Some(speeds.entry_feed_mm_min),
-            Pace::Cut => Some(speeds.feed_mm_min),
-        };
+        let feed = operation.speeds.feed_of(pair[1].pace);
         ToolMove { from: pair[0].to, to: pair[1].to, feed, line: 0 }
     };
     operation.motions.windows(2).map(step).collect()
