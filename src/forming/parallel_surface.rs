@@ -7,6 +7,9 @@ use crate::mirror::{Hessian, LocalSurface, Mirror, PlanJacobian};
 const MOST_STEPS: usize = 32;
 /// What ends them, as a share of the mirror's size.
 const CLOSE: f64 = 1e-12;
+/// Halvings of a step that does not come nearer: beside a crest, where the mirror is curved nearly as the parallel surface is
+/// far, whole steps go across it and back.
+const HALVINGS: i32 = 12;
 
 /// A mirror's parallel surface S = P + d n: the points `offset_mm` from the mirror along its unit normals.
 #[derive(Debug, Clone, Copy)]
@@ -46,15 +49,25 @@ impl ParallelSurface<'_> {
     #[must_use]
     pub fn place_over(&self, xy: DVec2) -> Option<LocalSurface> {
         let size = self.mirror.full_outline().bounds().size().max_element();
+        let off = |place: &LocalSurface| xy - self.beside(place).truncate();
         let mut at = xy;
         let mut place = self.mirror.extended_surface_over(at)?;
         for _ in 0..MOST_STEPS {
-            let off = xy - self.beside(&place).truncate();
-            if off.length() <= CLOSE * size {
+            let left = off(&place);
+            if left.length() <= CLOSE * size {
                 return Some(place);
             }
-            at += self.plan_jacobian(&place).step(off);
-            place = self.mirror.extended_surface_over(at)?;
+            let step = self.plan_jacobian(&place).step(left);
+            let over = |share: f64| {
+                let to = at + share * step;
+                Some((to, self.mirror.extended_surface_over(to)?))
+            };
+            let is_nearer =
+                |(_, place): &(DVec2, LocalSurface)| off(place).length() < left.length();
+            let shares = (0..HALVINGS).map(|k| 1.0 / f64::from(1 << k));
+            let nearer = shares.filter_map(over).find(is_nearer);
+            // Where only rounding is left, none is.
+            (at, place) = nearer.or_else(|| over(1.0))?;
         }
         None
     }

@@ -26,7 +26,7 @@ mod scallop;
 mod surface_analysis;
 
 pub use as_cut_mesh::{
-    ROWS, as_cut_face, bounding_corners, face_of_cut, facet_estimate, plan_outlines,
+    FaceLattice, ROWS, as_cut_face, bounding_corners, face_of_cut, facet_estimate, plan_outlines,
 };
 pub use drop_cutter::surface_on_face;
 pub use fillet::{Fillet, clears_ridge, fillet_foot};

@@ -9,6 +9,7 @@ use super::error::MeshError;
 use super::face::{Face, FaceForecast};
 use super::refine::facet_check::FacetCheck;
 use super::refine::repair::refine;
+use super::refine::repair_progress::FailureSpread;
 use super::refine::subdivide::subdivide;
 use super::sizing::field::SizingField;
 use super::sizing::optimum::Optimum;
@@ -42,10 +43,9 @@ impl<'a> PanelMesher<'a> {
     /// [`MeshError`] when there is no such mesh.
     pub(super) fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
         let ImagingProblem { mirror, camera, view } = self.problem;
-        let panel =
-            || self.with_coarse_mesh(limits, |bounder, coarse| panel(bounder, coarse, limits));
         // From a thread of the pool, the others are reached more quickly.
-        let (panel, optimum) = parallel::join(panel, || Optimum::new(mirror, &camera, view));
+        let (panel, optimum) =
+            parallel::join(|| self.panel(limits), || Optimum::new(mirror, &camera, view));
         let (mut mesh, bound) = panel?;
         let designed = mesh.triangles.len();
         if mirror.folded {
@@ -61,16 +61,35 @@ impl<'a> PanelMesher<'a> {
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
     pub(super) fn forecast(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
-        self.forecast_by(limits, |bounder, coarse| {
-            let mirror = bounder.mirror();
+        let mirror = self.problem.mirror;
+        let spread = FailureSpread::Local;
+        let found = self.forecast_by(limits, |bounder, coarse| {
             if !coarse.must_be_made_to_count(copies(mirror)) {
-                return Ok(estimate(mirror, coarse));
+                return Ok(Some(estimate(mirror, coarse)));
             }
-            let panel = panel(bounder, coarse, limits)?.0;
-            let panels = if mirror.folded { 2.0 } else { 1.0 };
-            let [facets, rim] = [panel.triangles.len(), rim_edges(mirror, &panel)];
-            Ok(FaceForecast { facets: panels * facets as f64, rim: panels * rim as f64 })
-        })
+            Ok(panel(bounder, coarse, limits, spread)?.map(|(panel, _)| counted(mirror, &panel)))
+        })?;
+        match found {
+            Some(forecast) => Ok(forecast),
+            None => Ok(counted(mirror, &self.panel(limits)?.0)),
+        }
+    }
+
+    /// The mesh of the designed panel, and its bound.
+    ///
+    /// # Errors
+    /// [`MeshError`] when there is no such mesh.
+    fn panel(&mut self, limits: Limits) -> Result<(TriMesh, ErrorBound), MeshError> {
+        let mut spread = FailureSpread::Local;
+        loop {
+            let made = self.with_coarse_mesh(limits, spread, |bounder, coarse| {
+                panel(bounder, coarse, limits, spread)
+            })?;
+            match made {
+                Some(panel) => return Ok(panel),
+                None => spread = FailureSpread::Wide,
+            }
+        }
     }
 
     /// The forecast from samples of the coarse mesh alone.
@@ -81,19 +100,20 @@ impl<'a> PanelMesher<'a> {
         self.forecast_by(limits, |bounder, coarse| Ok(estimate(bounder.mirror(), coarse)))
     }
 
-    fn forecast_by(
+    fn forecast_by<T: Send>(
         &mut self,
         limits: Limits,
-        by: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<FaceForecast, MeshError> + Send,
-    ) -> Result<FaceForecast, MeshError> {
+        by: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError> + Send,
+    ) -> Result<T, MeshError> {
         // From a thread of the pool, the others are reached more quickly.
-        parallel::join(|| self.with_coarse_mesh(limits, by), || ()).0
+        parallel::join(|| self.with_coarse_mesh(limits, FailureSpread::Local, by), || ()).0
     }
 
-    /// The result of `make` for the bounder and the coarse mesh of `limits`.
+    /// The result of `make` for the bounder and the coarse mesh of `limits`, drawn for failures that spread so far.
     fn with_coarse_mesh<T>(
         &mut self,
         limits: Limits,
+        spread: FailureSpread,
         make: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError>,
     ) -> Result<T, MeshError> {
         let problem = self.problem;
@@ -109,28 +129,38 @@ impl<'a> PanelMesher<'a> {
             || CoarseCandidate::new(problem.mirror, &sizing, domain, copies(problem.mirror)),
         );
         let bounder = self.bounder.insert(bounder);
-        let coarse = candidate?.choose_size(bounder, limits)?;
+        let coarse = candidate?.choose_size(bounder, limits, spread)?;
         make(bounder, &coarse)
     }
 }
 
-/// The mesh of the designed panel that comes of a coarse mesh, and its bound.
+/// The mesh of the designed panel that comes of a coarse mesh, and its bound; none where failures spread farther than
+/// `spread`.
 fn panel(
     bounder: &ErrorBounder,
     coarse: &CoarseMesh,
     limits: Limits,
-) -> Result<(TriMesh, ErrorBound), MeshError> {
+    spread: FailureSpread,
+) -> Result<Option<(TriMesh, ErrorBound)>, MeshError> {
     let mirror = bounder.mirror();
     let CoarseMesh { frames, arcs, net, .. } = coarse;
     let fine = subdivide(net, arcs, frames.parts);
     let check = FacetCheck { bounder, limits };
-    let (mut mesh, bound) = refine(&check, frames, arcs, fine, copies(mirror))?;
+    let refined = refine(&check, frames, arcs, fine, copies(mirror), spread)?;
+    let Some((mut mesh, bound)) = refined else { return Ok(None) };
     for axis in [0, 1] {
         if mirror.mirror_symmetric[axis] {
             mesh = mesh.with_reflection(axis);
         }
     }
-    Ok((mesh, bound))
+    Ok(Some((mesh, bound)))
+}
+
+/// The size of the face whose designed panel is `panel`.
+fn counted(mirror: &Mirror, panel: &TriMesh) -> FaceForecast {
+    let panels = if mirror.folded { 2.0 } else { 1.0 };
+    let [facets, rim] = [panel.triangles.len(), rim_edges(mirror, panel)];
+    FaceForecast { facets: panels * facets as f64, rim: panels * rim as f64 }
 }
 
 /// The size of the mesh that comes of a coarse mesh, by samples of its facets.

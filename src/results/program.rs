@@ -18,7 +18,7 @@ pub struct ProgramFacts {
     pub rapid_mm: f64,
     /// Time of the cutting moves at their feeds without starts and stops, minutes.
     pub cutting_min: f64,
-    /// Mean distance from line to line over the face in the plan, mm.
+    /// Distance from line to line over the face in the plan, mm: that of even lines, else the mean one.
     pub apart_mm: f64,
     /// Direction of most lines from X towards Y, degrees.
     pub angle_deg: f64,

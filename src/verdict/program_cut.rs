@@ -1,9 +1,11 @@
 //! The face that a program of any making cuts: what its moves leave of the mirror.
 
 use crate::design::Design;
+use crate::forming::ParallelSurface;
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::machining::{
-    BallRaster, MachiningError, ROWS, bounding_corners, face_of_cut, facet_estimate, plan_outlines,
+    BallRaster, FaceLattice, MachiningError, ROWS, bounding_corners, face_of_cut, facet_estimate,
+    plan_outlines,
 };
 use crate::mirror::Mirror;
 use crate::num::degrees;
@@ -18,10 +20,8 @@ const MOST_FACETS: f64 = 6e6;
 const ALONG: f64 = 1.0;
 /// Lines that agree so much in their direction are parallel.
 const PARALLEL: f64 = 0.98;
-/// Most moves of which the lines of contact are searched for, and steps to each place: errors shrink by the ball's curvature
-/// times the mirror's.
+/// Most moves of which the lines of contact are searched for.
 const MOST_LINES: usize = 20_000;
-const CONTACT_STEPS: usize = 8;
 /// Halvings of the interval in which a cusp is searched for.
 const HALVINGS: usize = 24;
 
@@ -58,9 +58,8 @@ impl ProgramCut {
         let outlines = plan_outlines(&design.mirror);
         let corners = bounding_corners(&outlines);
         let lines = contact_lines(&design.mirror, &path.moves, ball_mm);
-        let coverage = PathCoverage::new(&lines.moves, corners).ok_or(CuttingFault::Elsewhere)?;
-        let apart_mm = coverage.apart_mm / lines.every as f64;
-        let coverage = PathCoverage { apart_mm, ..coverage };
+        let coverage =
+            PathCoverage::new(&lines.moves, lines.every, corners).ok_or(CuttingFault::Elsewhere)?;
         let swept = SweptBall::new(&path.moves, ball_mm, corners);
         let raster = BallRaster { ball_mm, stepover_mm: coverage.apart_mm, angle: coverage.angle };
         let is_parallel = coverage.parallel >= PARALLEL;
@@ -71,20 +70,22 @@ impl ProgramCut {
             let apart_mm = raster.stepover_mm;
             return Err(CuttingFault::Fine { apart_mm, facets, most: MOST_FACETS });
         }
+        // Cusps are half-way between lines.
+        let row_mm = coverage.line_mm + 0.5 * coverage.apart_mm;
+        let lattice = FaceLattice { raster, along_mm, row_mm };
         let height = |at: DVec2| Some(swept.lowest(at)?.z_mm);
         let cusps = CuspSearch { swept: &swept, raster, pitch_mm };
         let snapping = |_| {
             let cusps = &cusps;
             move |x, y| if is_parallel { cusps.snap(x, y) } else { y }
         };
-        let mesh =
-            face_of_cut(&outlines, raster, along_mm, &height, snapping).map_err(|error| {
-                match error {
-                    MachiningError::Uncut { at } => CuttingFault::Uncut { at_mm: at.to_array() },
-                    // (Nothing else is asked of a lattice.)
-                    other => CuttingFault::Face { why: other.to_string() },
-                }
-            })?;
+        let mesh = face_of_cut(&outlines, lattice, &height, snapping).map_err(|error| {
+            match error {
+                MachiningError::Uncut { at } => CuttingFault::Uncut { at_mm: at.to_array() },
+                // (Nothing else is asked of a lattice.)
+                other => CuttingFault::Face { why: other.to_string() },
+            }
+        })?;
         Ok(Self::of_face(design, path, (coverage, &swept), mesh))
     }
 
@@ -157,28 +158,19 @@ struct ContactLines {
     every: usize,
 }
 
-/// The lines along which a ball that cuts the mirror touches it on its cutting moves: the place of contact is as far beside the
-/// tip as the normal there leans, `P = tip - R (n - z)`.
+/// The lines along which a ball that cuts the mirror touches it on its cutting moves: its centre is on the surface that is
+/// parallel to the mirror.
 fn contact_lines(mirror: &Mirror, moves: &[ToolMove], ball_mm: f64) -> ContactLines {
     let cutting: Vec<&ToolMove> = moves.iter().filter(|step| step.feed.is_some()).collect();
     let every = cutting.len().div_ceil(MOST_LINES).max(1);
-    let contact = |tip: DVec3| {
-        let mut at = tip;
-        for _ in 0..CONTACT_STEPS {
-            at = match mirror.local_surface_over(at.truncate(), at.z) {
-                Some(place) => tip - ball_mm * (place.normal() - DVec3::Z),
-                None => return tip,
-            };
-        }
-        at
-    };
+    let centres = ParallelSurface { mirror, offset_mm: ball_mm };
+    let contact = |tip: DVec3| Some(centres.place_over(tip.truncate())?.at);
     let chosen: Vec<&ToolMove> = cutting.into_iter().step_by(every).collect();
-    let moves = parallel::map_slice(&chosen, 1 << 8, |step| ToolMove {
-        from: contact(step.from),
-        to: contact(step.to),
-        ..**step
+    // Moves off the mirror and what goes on beyond its rim touch nothing.
+    let moves = parallel::map_slice(&chosen, 1 << 8, |step| {
+        Some(ToolMove { from: contact(step.from)?, to: contact(step.to)?, ..**step })
     });
-    ContactLines { moves, every }
+    ContactLines { moves: moves.into_iter().flatten().collect(), every }
 }
 
 /// Places in which the cuts of two moves meet, by search.

@@ -62,8 +62,8 @@ fn programs_leave_what_they_are_to_leave() {
             ..MachiningOptions::default()
         };
         let foreseen = options.in_memory(&profile, &Silent).unwrap().0;
-        let [cut, study] = [report.as_cut.as_ref(), foreseen.as_cut.as_ref()]
-            .map(|cut| cut.unwrap().trace.errors.facet_error_px.unwrap().rms);
+        let cut = report.as_cut.as_ref().unwrap().trace.errors.facet_error_px.unwrap().rms;
+        let study = foreseen.scallops.unwrap().pixel_error_px.unwrap().rms;
         assert!((cut / study - 1.0).abs() < 0.02, "{name}: {cut} px, foreseen {study} px");
         for operation in &report.operations {
             let path = ToolPath::read(text(&files, &operation.file).as_bytes()).unwrap();

@@ -19,6 +19,18 @@ use strips::LatticeRows;
 
 /// Rows to a stepover.
 pub const ROWS: usize = 8;
+
+/// A lattice along the lines of a raster, of [`ROWS`] rows to a stepover.
+#[derive(Debug, Clone, Copy)]
+pub struct FaceLattice {
+    /// The raster.
+    pub raster: BallRaster,
+    /// Step along its lines, mm.
+    pub along_mm: f64,
+    /// Place of a row across its lines, mm: where cusps are, facets follow them.
+    pub row_mm: f64,
+}
+
 /// How many facets a lattice of this step along the lines would have, about.
 #[must_use]
 pub fn facet_estimate(outlines: &[Vec<Polygon>], raster: &BallRaster, along_mm: f64) -> f64 {
@@ -40,22 +52,23 @@ pub fn as_cut_face(
     along_mm: f64,
 ) -> Result<TriMesh, MachiningError> {
     let height = |at| passes.height(at);
-    face_of_cut(outlines, passes.raster(), along_mm, &height, |corners| {
+    // Cusps are half-way between passes, one of which is half a stepover off the axis.
+    let lattice = FaceLattice { raster: passes.raster(), along_mm, row_mm: 0.0 };
+    face_of_cut(outlines, lattice, &height, |corners| {
         let cusps = Cusps::new(passes, corners, along_mm);
         move |x, y| cusps.snap(x, y)
     })
 }
 
-/// The as-cut face of any surface of which `height` is Z, mm, on a lattice of [`ROWS`] rows to a stepover of `raster` along
-/// its lines: facets counter-clockwise from above. What `snapping` makes of the corners of the face, x along the lines and y
-/// across them, tells where y of a place of the lattice goes.
+/// The as-cut face of any surface of which `height` is Z, mm, on a lattice: facets counter-clockwise from above. What
+/// `snapping` makes of the corners of the face, x along the lines and y across them, tells where y of a place of the lattice
+/// goes.
 ///
 /// # Errors
 /// [`MachiningError::Uncut`] where there is no height.
 pub fn face_of_cut<S: Fn(f64, f64) -> f64 + Sync>(
     outlines: &[Vec<Polygon>],
-    raster: BallRaster,
-    along_mm: f64,
+    FaceLattice { raster, along_mm, row_mm }: FaceLattice,
     height: &(dyn Fn(DVec2) -> Option<f64> + Sync),
     snapping: impl FnOnce([DVec2; 2]) -> S,
 ) -> Result<TriMesh, MachiningError> {
@@ -65,7 +78,7 @@ pub fn face_of_cut<S: Fn(f64, f64) -> f64 + Sync>(
         .iter()
         .map(|loops| loops.iter().map(|side| side.iter().map(turned).collect()).collect())
         .collect();
-    let rows = LatticeRows::new(&mut panels, raster.stepover_mm / ROWS as f64);
+    let rows = LatticeRows::new(&mut panels, raster.stepover_mm / ROWS as f64, row_mm);
     let places: Vec<Vec<f64>> = (0..rows.y.len()).map(|k| rows.places(k, along_mm)).collect();
     let triangles = triangles(&rows, &places);
     let snap = snapping(bounding_corners(&panels));

@@ -21,17 +21,17 @@ pub(super) struct LatticeRows {
 }
 
 impl LatticeRows {
-    /// Where the rows of `panels` lie, `pitch` apart or closer, and the strips between them. Corners a hair off a
-    /// row are put on it.
-    pub(super) fn new(panels: &mut [Vec<Polygon>], pitch: f64) -> Self {
+    /// Where the rows of `panels` lie, `pitch` apart or closer, one of them at `row`, and the strips between them. Corners a
+    /// hair off a row are put on it.
+    pub(super) fn new(panels: &mut [Vec<Polygon>], pitch: f64, row: f64) -> Self {
         let hair = 0.02 * pitch;
         let points = || panels.iter().flatten().flatten();
         let [lo, hi] =
             points().fold([f64::MAX, f64::MIN], |[lo, hi], p| [lo.min(p.y), hi.max(p.y)]);
         let size = points().fold(0.0f64, |most, p| most.max(p.abs().max_element()));
         let mut y = needed_rows(panels, size, hair);
-        let first = (lo / pitch).ceil() as i64;
-        let last = (hi / pitch).floor() as i64;
+        let first = ((lo - row) / pitch).ceil() as i64;
+        let last = ((hi - row) / pitch).floor() as i64;
         for corner in panels.iter_mut().flatten().flatten() {
             if let Some(row) = y.iter().find(|row| (*row - corner.y).abs() <= hair) {
                 corner.y = *row;
@@ -40,7 +40,7 @@ impl LatticeRows {
         // Even rows give way to those that the outline needs.
         let fixed = y.clone();
         let clear = |at: &f64| fixed.iter().all(|row| (row - at).abs() > 0.05 * pitch);
-        y.extend((first..=last).map(|k| k as f64 * pitch).filter(clear));
+        y.extend((first..=last).map(|k| row + k as f64 * pitch).filter(clear));
         y.sort_by(f64::total_cmp);
         let strips = y.windows(2).map(|pair| strips(panels, [pair[0], pair[1]])).collect();
         let free = y.iter().map(|at| !fixed.contains(at)).collect();

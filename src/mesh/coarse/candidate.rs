@@ -6,6 +6,7 @@ use crate::geom::{DVec2, Rect};
 use crate::mesh::bound::error_bound::Limits;
 use crate::mesh::bound::error_bounder::ErrorBounder;
 use crate::mesh::error::MeshError;
+use crate::mesh::refine::repair_progress::FailureSpread;
 use crate::mesh::sizing::field::SizingField;
 use crate::mesh::sizing::frame_field::FrameField;
 use crate::mesh::sizing::lattice::LatticeKind;
@@ -64,7 +65,8 @@ impl<'a> CoarseCandidate<'a> {
         Ok(Self { frames, domain, copies, first })
     }
 
-    /// The mesh of the size at which, as far as bounds of some facets tell, the fewest facets do.
+    /// The mesh of the size at which, as far as bounds of some facets tell, the fewest facets do where failures spread so
+    /// far.
     ///
     /// # Errors
     /// [`MeshError`] where refinement of its facets is seen not to meet the limits.
@@ -72,13 +74,14 @@ impl<'a> CoarseCandidate<'a> {
         self,
         bounder: &ErrorBounder,
         limits: Limits,
+        spread: FailureSpread,
     ) -> Result<CoarseMesh<'a>, MeshError> {
         let Self { mut frames, domain, copies, first } = self;
         let draw = |frames: &FrameField<'a>, known: &CoarseMesh<'a>| {
             let mesh = CoarseMesh::new(bounder.mirror(), domain, frames.clone())?;
-            Ok::<_, MeshError>(mesh.estimate_growth_beside(known, bounder, limits))
+            Ok::<_, MeshError>(mesh.estimate_growth_beside(known, bounder, limits, spread))
         };
-        let first = first.estimate_growth(bounder, limits);
+        let first = first.estimate_growth(bounder, limits, spread);
         let is_whole = first.frames.parts == frames.parts;
         if is_whole && first.estimate.is_near_best() {
             return first.check_refinable(bounder, limits, copies);

@@ -10,7 +10,7 @@ use crate::mesh::bound::error_bounder::ErrorBounder;
 use crate::mesh::error::MeshError;
 use crate::mesh::refine::boundary_arcs::BoundaryArcs;
 use crate::mesh::refine::probe::{ProbeOutcome, RefinementProbe};
-use crate::mesh::refine::repair_progress::most_facets;
+use crate::mesh::refine::repair_progress::{FailureSpread, most_facets};
 use crate::mesh::refine::triangulation::EditableTriangulation;
 use crate::mesh::sizing::frame_field::FrameField;
 use crate::mirror::Mirror;
@@ -36,7 +36,11 @@ impl GrowthEstimate {
     }
 
     /// The estimate from the shrinkages that sampled facets require, sorted.
-    fn new(shrinkages: &[f64]) -> Self {
+    fn new(shrinkages: &[f64], spread: FailureSpread) -> Self {
+        let repair = match spread {
+            FailureSpread::Local => TUNING.local_repair,
+            FailureSpread::Wide => TUNING.spreading_repair,
+        };
         let count = shrinkages.len();
         // The cost of repairing a facet is as its area.
         let squares: Vec<f64> = shrinkages.iter().map(|e| e * e).collect();
@@ -44,7 +48,7 @@ impl GrowthEstimate {
         for k in (0..count).rev() {
             after[k] = after[k + 1] + squares[k];
         }
-        let share = |sum: f64| TUNING.repair_cost * sum / count as f64;
+        let share = |sum: f64| repair.cost * sum / count as f64;
         // For a facet to hold just so, all must be the smaller by its oversize.
         let least = |k: usize| squares[k] + share(after[k + 1]);
         let best = (count / 2..count).min_by(|&a, &b| least(a).total_cmp(&least(b)));
@@ -52,7 +56,7 @@ impl GrowthEstimate {
         let is_sound = |(scale, _): &(f64, f64)| scale.is_finite() && *scale > 0.0;
         let (best_scale, least_cost) = best.map(of).filter(is_sound).unwrap_or((1.0, 1.0));
         let repaired = share(after[shrinkages.partition_point(|&e| e <= 1.0)]);
-        let growth = 1.0 + TUNING.repair_facets / TUNING.repair_cost * repaired;
+        let growth = 1.0 + repair.facets / repair.cost * repaired;
         Self { growth, cost: 1.0 + repaired, best_scale, least_cost }
     }
 }
@@ -119,7 +123,12 @@ impl<'a> CoarseMesh<'a> {
     }
 
     /// The mesh with its growth estimated from the bounds of one facet in each of some triangles.
-    pub(crate) fn estimate_growth(mut self, bounder: &ErrorBounder, limits: Limits) -> Self {
+    pub(crate) fn estimate_growth(
+        mut self,
+        bounder: &ErrorBounder,
+        limits: Limits,
+        spread: FailureSpread,
+    ) -> Self {
         let probe = RefinementProbe::new(bounder, limits);
         let facets = self.sample_facets().collect::<Vec<_>>();
         self.samples = parallel::map_slice(&facets, 1, |&corners| {
@@ -128,7 +137,7 @@ impl<'a> CoarseMesh<'a> {
         });
         let mut shrinkages: Vec<f64> = self.samples.iter().map(|sample| sample.shrinkage).collect();
         shrinkages.sort_by(f64::total_cmp);
-        self.estimate = GrowthEstimate::new(&shrinkages);
+        self.estimate = GrowthEstimate::new(&shrinkages, spread);
         self
     }
 
@@ -138,11 +147,12 @@ impl<'a> CoarseMesh<'a> {
         known: &CoarseMesh,
         bounder: &ErrorBounder,
         limits: Limits,
+        spread: FailureSpread,
     ) -> Self {
         if self.has_facets_of(known) {
             return Self { estimate: known.estimate, samples: known.samples.clone(), ..self };
         }
-        self.estimate_growth(bounder, limits)
+        self.estimate_growth(bounder, limits, spread)
     }
 
     /// Whether both are cut into the same facets: where cells are as large as they may be, other sizes change nothing.
@@ -271,11 +281,12 @@ mod tests {
                 let frames = FrameField::new(&sizing, &outline, size, TUNING.triangles);
                 CoarseMesh::new(&mirror, domain, frames).unwrap()
             };
-            let first = drawn(1.0).estimate_growth(&bounder, limits);
+            let first = drawn(1.0).estimate_growth(&bounder, limits, FailureSpread::Local);
             let other = drawn(0.8);
             assert_eq!(other.has_facets_of(&first), same, "{chord_mm}");
-            let known = other.estimate_growth_beside(&first, &bounder, limits);
-            let afresh = drawn(0.8).estimate_growth(&bounder, limits);
+            let spread = FailureSpread::Local;
+            let known = other.estimate_growth_beside(&first, &bounder, limits, spread);
+            let afresh = drawn(0.8).estimate_growth(&bounder, limits, spread);
             assert_eq!(known.estimate.best_scale, afresh.estimate.best_scale);
             assert_eq!(known.samples.len(), afresh.samples.len());
         }

@@ -3,6 +3,14 @@
 //! Where a field names no measurement, it was chosen by trial for the fewest triangles on the surfaces of
 //! `benches/mesh.rs` (`cargo bench --bench mesh -- --economy`), or for time where it says so.
 
+/// What the repair of one facet takes.
+pub(crate) struct RepairCost {
+    /// Its cost in facets: its time counts, too.
+    pub cost: f64,
+    /// Facets that come of it.
+    pub facets: f64,
+}
+
 /// Constants that tune placement, smoothing and size of the coarse mesh.
 pub(crate) struct CoarseTuning {
     /// Coarse triangles of the meshed part, about: so many that few of them are at the rim and that curvature hardly
@@ -26,10 +34,11 @@ pub(crate) struct CoarseTuning {
     /// Meshes that are drawn again, at most: where all places are alike, the least difference decides whether all
     /// facets fail together.
     pub redraws: usize,
-    /// Cost of the repair of a facet that is hardly too large, in facets: its time counts, too.
-    pub repair_cost: f64,
-    /// Facets that come of such a repair.
-    pub repair_facets: f64,
+    /// The repair of a facet that is hardly too large, where it makes few others fail.
+    pub local_repair: RepairCost,
+    /// That repair where failures spread. Of costs 6, 8, 10, 12 and 24, 8 left the fewest facets on a mirror of saddles
+    /// whose repair took four seconds of five.
+    pub spreading_repair: RepairCost,
     /// Facets that are bounded to find the size; at least half as many.
     pub samples: usize,
     /// Growth (facets that come of each) over which it is probed whether refinement helps.
@@ -87,8 +96,8 @@ pub(crate) const TUNING: CoarseTuning = CoarseTuning {
     halved_strain: 1.015,
     cost_tolerance: 1.03,
     redraws: 3,
-    repair_cost: 3.0,
-    repair_facets: 1.0,
+    local_repair: RepairCost { cost: 3.0, facets: 1.0 },
+    spreading_repair: RepairCost { cost: 8.0, facets: 3.0 },
     samples: 1200,
     doubtful_growth: 1.3,
     most_diverging: 0.01,

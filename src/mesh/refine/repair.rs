@@ -5,7 +5,7 @@ use super::boundary_arcs::BoundaryArcs;
 use super::facet_check::{CheckedFacets, FacetCheck};
 use super::independent_sets::{IndependentSets, flip_all};
 use super::probe::RefinementProbe;
-use super::repair_progress::RepairProgress;
+use super::repair_progress::{FailureSpread, RepairProgress};
 use super::subdivide::FineMesh;
 use super::triangulation::EditableTriangulation;
 use super::tuning::TUNING;
@@ -24,8 +24,8 @@ const CHUNK: usize = 256;
 /// Facets whose oversize a thread takes at a time, at least: some microseconds of work.
 const OVERSIZE_CHUNK: usize = 64;
 
-/// Refines `fine` until every facet keeps the limits of `check`; the mesh, and its bound. The face holds `copies` of
-/// it.
+/// Refines `fine` until every facet keeps the limits of `check`; the mesh, and its bound, or none where failures spread
+/// farther than `spread`. The face holds `copies` of it.
 ///
 /// # Errors
 /// [`MeshError`] where refinement does not help, or needs too many facets.
@@ -35,7 +35,8 @@ pub(crate) fn refine(
     arcs: &BoundaryArcs,
     fine: FineMesh,
     copies: usize,
-) -> Result<(TriMesh, ErrorBound), MeshError> {
+    spread: FailureSpread,
+) -> Result<Option<(TriMesh, ErrorBound)>, MeshError> {
     let vertex = |&q: &DVec2| check.bounder.snapped_vertex(q);
     let vertices: Vec<SurfaceVertex> = parallel::map_slice(&fine.points, CHUNK, vertex);
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
@@ -50,13 +51,15 @@ pub(crate) fn refine(
         collapsed: HashSet::new(),
         mended: HashSet::new(),
     };
-    repair.run(&mut checked, copies)?;
+    if !repair.run(&mut checked, copies, spread)? {
+        return Ok(None);
+    }
     let EditableTriangulation { vertices, triangles, .. } = &repair.net;
     let mesh = MeshBound { bounder: check.bounder, vertices, facets: triangles };
     let bound = mesh.bound(&checked.bounds, &checked.largest, &check.limits);
     let (vertices, triangles) = repair.net.into_parts();
     let vertices = vertices.into_iter().map(|v| v.at).collect();
-    Ok((TriMesh { vertices, triangles }, bound))
+    Ok(Some((TriMesh { vertices, triangles }, bound)))
 }
 
 /// A fine mesh under repair.
@@ -75,8 +78,13 @@ struct Repair<'a> {
 }
 
 impl Repair<'_> {
-    /// Repairs round after round until no facet fails.
-    fn run(&mut self, checked: &mut CheckedFacets, copies: usize) -> Result<(), MeshError> {
+    /// Repairs round after round until no facet fails; whether failures spread no farther than `spread`.
+    fn run(
+        &mut self,
+        checked: &mut CheckedFacets,
+        copies: usize,
+        spread: FailureSpread,
+    ) -> Result<bool, MeshError> {
         let mut progress = RepairProgress::new(self.net.triangles.len());
         while !checked.failed.is_empty() {
             MeshError::check_facets((self.net.triangles.len() * copies) as f64)?;
@@ -84,13 +92,16 @@ impl Repair<'_> {
             if progress.is_diverging() {
                 return Err(self.not_refinable(checked.failed[0]));
             }
+            if spread == FailureSpread::Local && progress.is_spreading() {
+                return Ok(false);
+            }
             let failed = std::mem::take(&mut checked.failed);
             self.round(&failed, &checked.bounds, progress.is_optimising())?;
             self.changed.extend(&failed);
             self.check_changed(checked);
         }
         checked.largest.retain(|t| !self.net.is_removed(*t));
-        Ok(())
+        Ok(true)
     }
 
     /// Checks the facets that have changed; those that were removed have no errors.

@@ -8,6 +8,15 @@ pub(crate) fn most_facets(proposed: usize) -> usize {
     TUNING.most_growth * proposed + (TUNING.spare_growth * proposed).clamp(least, largest)
 }
 
+/// How far failures are taken to go when a facet that fails is repaired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FailureSpread {
+    /// To few of its neighbours. A repair that turns out otherwise is given up.
+    Local,
+    /// From neighbour to neighbour: where facets of a lattice all hold just so, one that is changed makes others fail.
+    Wide,
+}
+
 /// Numbers of facets, and of those that fail, in the rounds of a repair.
 #[derive(Debug)]
 pub(crate) struct RepairProgress {
@@ -15,6 +24,8 @@ pub(crate) struct RepairProgress {
     proposed: usize,
     /// Rounds that have begun.
     rounds: usize,
+    /// Facets that failed at first.
+    failed_at_first: usize,
     /// Facets at the beginning of the last round.
     facets: usize,
     /// Those of them that fail.
@@ -29,7 +40,8 @@ impl RepairProgress {
     /// The progress of a repair of so many proposed facets.
     pub(crate) fn new(proposed: usize) -> Self {
         let fewest = (usize::MAX, 0);
-        Self { proposed, rounds: 0, facets: proposed, failed: usize::MAX, rises: 0, fewest }
+        let (failed_at_first, failed) = (usize::MAX, usize::MAX);
+        Self { proposed, rounds: 0, failed_at_first, facets: proposed, failed, rises: 0, fewest }
     }
 
     /// Begins a round with so many facets, of which so many fail.
@@ -37,6 +49,9 @@ impl RepairProgress {
         self.rises = if failed > self.failed { self.rises + 1 } else { 0 };
         if failed < self.fewest.0 {
             self.fewest = (failed, self.rounds);
+        }
+        if self.rounds == 0 {
+            self.failed_at_first = failed;
         }
         (self.facets, self.failed) = (facets, failed);
         self.rounds += 1;
@@ -46,6 +61,13 @@ impl RepairProgress {
     pub(crate) fn is_diverging(&self) -> bool {
         let risen = self.failed > TUNING.risen_share * self.proposed + TUNING.risen_spare;
         self.facets > most_facets(self.proposed) || (self.rises >= TUNING.rising_rounds && risen)
+    }
+
+    /// Whether failures are seen to spread from facet to facet.
+    pub(crate) fn is_spreading(&self) -> bool {
+        self.rounds == TUNING.rounds_to_spread
+            && self.failed > TUNING.few_failed
+            && self.failed as f64 > TUNING.spreading_share * self.failed_at_first as f64
     }
 
     /// Whether the round that has begun improves shapes, though neighbours may fail by it; else it keeps them.
@@ -71,6 +93,15 @@ mod tests {
         assert!(!progress([100, 150, 200, 300, 600]).is_diverging());
         assert!(!progress([100, 150, 300, 600, 500, 1200]).is_diverging());
         assert!(progress([2300]).is_diverging());
+    }
+
+    #[test]
+    fn failures_spread_where_the_third_round_has_more_than_an_eighth_of_the_first() {
+        assert!(progress([4000, 1200, 501]).is_spreading());
+        assert!(!progress([4000, 1200, 500]).is_spreading());
+        assert!(!progress([4000, 501]).is_spreading());
+        // Few are repaired quickly.
+        assert!(!progress([800, 600, 400]).is_spreading());
     }
 
     #[test]

@@ -53,6 +53,13 @@ pub(crate) struct RefinementTuning {
     pub risen_share: usize,
     /// Failed facets beyond that, for small proposals.
     pub risen_spare: usize,
+    /// The round in which failures are seen to spread or not.
+    pub rounds_to_spread: usize,
+    /// Share of the facets that failed at first over which, then, failures spread: 0.16 to 0.26 where repairs add up to
+    /// nine facets for each that failed at first, at most 0.1 where they add two.
+    pub spreading_share: f64,
+    /// Failed facets in that round up to which a repair takes less than a second, whether they spread or not.
+    pub few_failed: usize,
     /// Rounds in which vertices are moved and edges split where that is best, though neighbours may fail by it; after
     /// them shapes are kept by longest-edge bisection, which ends.
     pub optimising_rounds: usize,
@@ -88,6 +95,9 @@ pub(crate) const TUNING: RefinementTuning = RefinementTuning {
     rising_rounds: 4,
     risen_share: 4,
     risen_spare: 200,
+    rounds_to_spread: 3,
+    spreading_share: 0.125,
+    few_failed: 400,
     optimising_rounds: 40,
     optimising_patience: 12,
     probe_halvings: 5,
