@@ -67,6 +67,10 @@ pub(super) enum CommandArg {
     Profiles(ProfilesArgs),
     /// List the JSON outputs, or print the JSON Schema of one
     Schema(SchemaArgs),
+    /// Print the script with which a shell completes commands and options
+    Completions(CompletionsArgs),
+    /// Print the manual page of the program, or of one command
+    Man(ManArgs),
 }
 
 // Arguments of `morion build`.
@@ -363,6 +367,29 @@ pub(super) struct ProfilesArgs {
 pub(super) struct SchemaArgs {
     /// Print the JSON Schema (draft 2020-12) of this output
     pub name: Option<String>,
+}
+
+// Arguments of `morion completions`.
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: ShellArg,
+}
+
+/// A shell that completes what is typed.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum ShellArg {
+    Bash,
+    Zsh,
+    Fish,
+}
+
+// Arguments of `morion man`.
+#[derive(Debug, Args)]
+pub(super) struct ManArgs {
+    /// A command [default: the program]
+    pub command: Option<String>,
 }
 
 /// Formats of a map.

@@ -7,6 +7,7 @@ mod memory;
 mod number_args;
 mod progress;
 mod schemas;
+mod shell_help;
 #[cfg(unix)]
 mod signals;
 mod styles;
@@ -113,6 +114,12 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Studio(args) => terminal.studio(args),
         CommandArg::Profiles(args) => terminal.profiles(args),
         CommandArg::Schema(args) => terminal.schema(args),
+        CommandArg::Completions(args) => {
+            print(&shell_help::completions(args.shell)).map(|()| PASSED)
+        }
+        CommandArg::Man(args) => {
+            print(&shell_help::manual(args.command.as_deref())?).map(|()| PASSED)
+        }
     }
 }
 

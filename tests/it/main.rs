@@ -59,6 +59,7 @@ mod report_contract;
 mod round_mirrors;
 mod sag_table;
 mod shell;
+mod shell_help;
 mod shipped;
 mod single_precision;
 mod step;
