@@ -6,6 +6,9 @@ use serde_json::json;
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
 
+/// Similarity (Jaro-Winkler) from which a name is taken for a misspelt one, as with names of profiles.
+const LIKE: f64 = 0.8;
+
 /// One error or several.
 pub(super) struct CommandFailure(Vec<Box<dyn Error>>);
 
@@ -13,6 +16,18 @@ impl CommandFailure {
     /// A failure that is a sentence.
     pub(super) fn said(sentence: String) -> Self {
         Self(vec![sentence.into()])
+    }
+
+    /// No `kind` has this name: what may be meant, and all `names`.
+    pub(super) fn unknown(kind: &str, name: &str, names: &[&str]) -> Self {
+        let closest = names
+            .iter()
+            .map(|known| (strsim::jaro_winkler(name, known), known))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(likeness, _)| *likeness > LIKE);
+        let meant = closest.map_or(String::new(), |(_, name)| format!("; did you mean {name}?"));
+        let names = names.join(", ");
+        Self::said(format!("no {kind} is called {name:?}{meant} (there are {names})"))
     }
 
     /// Success, or all of `failures`.

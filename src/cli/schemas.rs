@@ -14,9 +14,6 @@ use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
-/// Similarity (Jaro-Winkler) from which a name is taken for a misspelt one, as with names of profiles.
-const LIKE: f64 = 0.8;
-
 /// An output with the schema of its type.
 struct Output {
     named: NamedOutput,
@@ -78,20 +75,11 @@ pub(super) fn outputs() -> impl Iterator<Item = NamedOutput> {
 /// A sentence that lists the names, if this is none of them.
 pub(super) fn named(name: &str) -> Result<String, CommandFailure> {
     let known = all().into_iter().find(|output| output.named.name == name);
-    let output = known.ok_or_else(|| unknown(name))?;
+    let output = known.ok_or_else(|| {
+        let names: Vec<&str> = outputs().map(|output| output.name).collect();
+        CommandFailure::unknown("JSON output", name, &names)
+    })?;
     Ok(format!("{:#}\n", output.schema().as_value()))
-}
-
-fn unknown(name: &str) -> CommandFailure {
-    let names: Vec<&str> = outputs().map(|output| output.name).collect();
-    let closest = names
-        .iter()
-        .map(|known| (strsim::jaro_winkler(name, known), known))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness > LIKE);
-    let meant = closest.map_or(String::new(), |(_, name)| format!("; did you mean {name}?"));
-    let names = names.join(", ");
-    CommandFailure::said(format!("no JSON output is called {name:?}{meant} (there are {names})"))
 }
 
 impl Output {

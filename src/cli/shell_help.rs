@@ -2,7 +2,7 @@
 
 use super::args::{Arguments, ShellArg};
 use super::failure::CommandFailure;
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
@@ -29,21 +29,14 @@ pub(super) fn manual(command: Option<&str>) -> Result<String, CommandFailure> {
     let mut program = Arguments::command();
     // Names of commands and the options that all of them have.
     program.build();
-    let described = match command {
-        None => program,
-        Some(name) => match program.find_subcommand(name) {
-            Some(found) => found.clone(),
-            None => return Err(unknown(name, &program)),
-        },
-    };
+    let described = command.map_or(Ok(&program), |name| {
+        program.find_subcommand(name).ok_or_else(|| {
+            let names: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
+            CommandFailure::unknown("command", name, &names)
+        })
+    })?;
     let mut page = Vec::new();
-    let rendered = Man::new(described).render(&mut page);
+    let rendered = Man::new(described.clone()).render(&mut page);
     rendered.map_err(|error| CommandFailure::said(format!("the manual page: {error}")))?;
     Ok(String::from_utf8_lossy(&page).into_owned())
-}
-
-fn unknown(name: &str, program: &clap::Command) -> CommandFailure {
-    let names: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
-    let names = names.join(", ");
-    CommandFailure::said(format!("no command is called {name:?} (there are {names})"))
 }

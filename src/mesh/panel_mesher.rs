@@ -44,8 +44,10 @@ impl<'a> PanelMesher<'a> {
     pub(super) fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
         let ImagingProblem { mirror, camera, view } = self.problem;
         // From a thread of the pool, the others are reached more quickly.
-        let (panel, optimum) =
-            parallel::join(|| self.panel(limits), || Optimum::new(mirror, &camera, view));
+        let (panel, optimum) = parallel::join(
+            || self.panel(limits, FailureSpread::Local),
+            || Optimum::new(mirror, &camera, view),
+        );
         let (mut mesh, bound) = panel?;
         let designed = mesh.triangles.len();
         if mirror.folded {
@@ -71,16 +73,19 @@ impl<'a> PanelMesher<'a> {
         })?;
         match found {
             Some(forecast) => Ok(forecast),
-            None => Ok(counted(mirror, &self.panel(limits)?.0)),
+            None => Ok(counted(mirror, &self.panel(limits, FailureSpread::Wide)?.0)),
         }
     }
 
-    /// The mesh of the designed panel, and its bound.
+    /// The mesh of the designed panel, and its bound, where failures spread so far, or farther.
     ///
     /// # Errors
     /// [`MeshError`] when there is no such mesh.
-    fn panel(&mut self, limits: Limits) -> Result<(TriMesh, ErrorBound), MeshError> {
-        let mut spread = FailureSpread::Local;
+    fn panel(
+        &mut self,
+        limits: Limits,
+        mut spread: FailureSpread,
+    ) -> Result<(TriMesh, ErrorBound), MeshError> {
         loop {
             let made = self.with_coarse_mesh(limits, spread, |bounder, coarse| {
                 panel(bounder, coarse, limits, spread)

@@ -2,7 +2,7 @@
 
 use crate::support;
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
-use crate::support::{share, small_but, times};
+use crate::support::{share, shipped_builds, small_but, times};
 use morion::internals::design::Design;
 use morion::internals::geom::{PartFeatures, Precision};
 use morion::internals::mesh::{Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, mesh};
@@ -67,6 +67,13 @@ fn no_finer_mesh_fits(design: &Design, face: &Face, triangles: usize, what: &str
     let Design { mirror, camera, view, .. } = design;
     let next = closed(&mesh(mirror, &camera.chart, view.as_ref(), limits).unwrap());
     assert!(next > triangles, "{what}: {} of {triangles}, finer {next}", closed(face));
+}
+
+/// On saddles whose facets all hold just so, repairs spread from facet to facet.
+#[test]
+fn a_budget_is_used_where_repairs_spread() {
+    let warnings = shipped_builds::report("side-view").warnings;
+    assert!(warnings.iter().all(|warning| !warning.contains("max_triangles")), "{warnings:?}");
 }
 
 #[test]
