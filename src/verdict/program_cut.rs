@@ -70,7 +70,7 @@ impl ProgramCut {
             let apart_mm = raster.stepover_mm;
             return Err(CuttingFault::Fine { apart_mm, facets, most: MOST_FACETS });
         }
-        // Cusps are half-way between lines.
+        // Cusps are half-way between lines. With rows beside them errors are off by up to 2.3 % of themselves, else by 1.
         let row_mm = coverage.line_mm + 0.5 * coverage.apart_mm;
         let lattice = FaceLattice { raster, along_mm, row_mm };
         let height = |at: DVec2| Some(swept.lowest(at)?.z_mm);
