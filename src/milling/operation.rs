@@ -12,7 +12,7 @@ use crate::machining::{
     plan_outlines,
 };
 use crate::mirror::Mirror;
-use crate::profile::ProgramSpec;
+use crate::profile::{CutterLengths, ProgramSpec};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -54,6 +54,8 @@ pub struct Operation {
     pub kind: OperationKind,
     /// Radius of the ball, mm.
     pub ball_mm: f64,
+    /// Lengths of its cutter.
+    pub lengths: CutterLengths,
     /// Distance of its lines in the plan, mm.
     pub stepover_mm: f64,
     /// Levels; one of what follows the surface.
@@ -207,6 +209,7 @@ impl MillingTask<'_> {
         Ok(Operation {
             kind: OperationKind::Roughing,
             ball_mm,
+            lengths: self.spec.rough_lengths(),
             stepover_mm,
             levels,
             allowance_mm,
@@ -259,6 +262,7 @@ impl MillingTask<'_> {
         Operation {
             kind,
             ball_mm,
+            lengths: self.spec.finishing.lengths,
             stepover_mm,
             levels: 1,
             allowance_mm,

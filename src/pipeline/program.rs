@@ -8,7 +8,7 @@ use crate::design::Design;
 use crate::machining::{BallRaster, SurfaceAnalysis};
 use crate::milling::{Header, MillingError, MillingTask, Operation, StockBlock, program_text};
 use crate::num::rounding::floor_four_digits;
-use crate::profile::{FinishingSpec, Profile};
+use crate::profile::{CutterLengths, FinishingSpec, Profile, ProgramSpec};
 use crate::program::{MachineLimits, ToolMove, ToolPath};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::report::Answer;
@@ -74,7 +74,7 @@ impl Command for ProgramOptions {
             let bytes = run.files.staged(&file)?.read()?;
             report.files.push(FileFacts::of(&file, "ngc", &bytes));
             run.timer.always(Stage::Read, || {
-                shop.read(&mut report, &operation, (file, &bytes), task.spec.finishing.chord_um);
+                shop.read(&mut report, &operation, (file, &bytes), task.spec);
                 ((), operation.kind.name().to_owned())
             });
         }
@@ -178,6 +178,7 @@ fn begun(profile: &Profile, survey: &CutterSurvey) -> ProgramReport {
         operations: Vec::new(),
         machine_min: 0.0,
         reach_mm: 0.0,
+        holder_diameter_mm: profile.program.machine.holder_diameter_mm,
         travel_mm: [0.0; 3],
         foreseen_px: found.scallops.as_ref().and_then(|scallops| scallops.pixel_error_px),
         program: None,
@@ -200,7 +201,7 @@ fn write(run: &mut Run, task: &MillingTask, operation: &Operation) -> Result<Str
     let comments = [
         format!("{}: {}", profile.name, operation.kind.name()),
         format!("profile {}", &profile.sha256[..16]),
-        format!("ball {} mm radius, {} teeth", operation.ball_mm, task.spec.speeds.teeth),
+        cutter_words(operation, task.spec),
         format!(
             "stock {:.2} x {:.2} x {top_mm:.2} mm, {}",
             size.x,
@@ -221,6 +222,14 @@ fn write(run: &mut Run, task: &MillingTask, operation: &Operation) -> Result<Str
     Ok(file)
 }
 
+/// The cutter of an operation, as the head of its program tells it.
+fn cutter_words(operation: &Operation, spec: &ProgramSpec) -> String {
+    let CutterLengths { flute_mm, stickout_mm, .. } = operation.lengths;
+    let teeth = flute_mm.map_or(String::new(), |mm| format!(" {mm} mm long"));
+    let out = stickout_mm.map_or(String::new(), |mm| format!(", {mm} mm out of its holder"));
+    format!("ball {} mm radius, {} teeth{teeth}{out}", operation.ball_mm, spec.speeds.teeth)
+}
+
 /// The block in the course of its programs, as they are read back.
 struct Shop {
     block: MilledBlock,
@@ -238,7 +247,7 @@ impl Shop {
         report: &mut ProgramReport,
         operation: &Operation,
         (file, bytes): (String, &[u8]),
-        chord_um: f64,
+        spec: &ProgramSpec,
     ) {
         let path = match ToolPath::read(bytes) {
             Ok(path) => path,
@@ -250,8 +259,9 @@ impl Shop {
             }
         };
         let Operation { kind, ball_mm, allowance_mm, .. } = *operation;
-        let figures = [ball_mm, allowance_mm, 1e-3 * chord_um];
-        let ProgramLeft { left, faults } = self.block.cut(&path, kind, figures);
+        let figures = [1e-3 * spec.finishing.chord_um, spec.machine.holder_diameter_mm];
+        let ProgramLeft { left, lengths: [flute, stickout], faults } =
+            self.block.cut(&path, operation, figures);
         let faults = faults.into_iter().map(Reason::from);
         report.reasons.extend(faults.map(|fault| fault.of_file(&file)));
         let [cutting_mm, rapid_mm] = path.lengths_mm();
@@ -271,6 +281,8 @@ impl Shop {
             rapid_mm,
             machine_min,
             left,
+            flute,
+            stickout,
         });
         let (left_mm, size, pitch_mm) = self.block.map();
         // Lines that the grid cannot show leave a pattern of its own.

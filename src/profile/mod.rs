@@ -47,8 +47,8 @@ pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
 pub use program::{
-    FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec, StockMaterial,
-    WorkOffset,
+    CutterLengths, FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec,
+    StockMaterial, WorkOffset,
 };
 pub use projection::{
     AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,

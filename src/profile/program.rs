@@ -41,6 +41,19 @@ pub struct FinishingSpec {
     pub chord_um: f64,
     /// What is polished off the milled face, um; none of a mirror that is used as it comes off the machine.
     pub polish_um: Option<f64>,
+    /// Lengths of the cutter.
+    pub lengths: CutterLengths,
+}
+
+/// How far the teeth and the shank of a cutter go; none of what is not known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CutterLengths {
+    /// Length of the teeth from the tip, mm.
+    pub flute_mm: Option<f64>,
+    /// Diameter of what is above them, mm; none for that of the ball.
+    pub shank_diameter_mm: Option<f64>,
+    /// Length out of the holder from the tip, mm.
+    pub stickout_mm: Option<f64>,
 }
 
 /// Levels that take the stock away.
@@ -52,6 +65,8 @@ pub struct RoughingSpec {
     pub allowance_mm: f64,
     /// From level to level, mm; none for what is usual of the material.
     pub stepdown_mm: Option<f64>,
+    /// Lengths of a cutter of its own.
+    pub lengths: CutterLengths,
 }
 
 /// Feeds and speed; none for what is usual of the material.
@@ -82,6 +97,8 @@ pub struct MachineSpec {
     pub travel_mm: Option<[f64; 3]>,
     /// Height of rapid moves over the stock, mm.
     pub safe_mm: f64,
+    /// Diameter of the holder of cutters, mm.
+    pub holder_diameter_mm: f64,
 }
 
 /// What the stock is of.
@@ -163,6 +180,17 @@ impl MillControl {
     }
 }
 
+impl ProgramSpec {
+    /// Lengths of the cutter that roughs, which finishes too where it has no ball of its own.
+    #[must_use]
+    pub fn rough_lengths(&self) -> CutterLengths {
+        match self.roughing.ball_mm {
+            Some(_) => self.roughing.lengths,
+            None => self.finishing.lengths,
+        }
+    }
+}
+
 impl Default for ProgramSpec {
     /// A ball of 3 mm radius with two teeth in aluminium, on a light mill.
     fn default() -> Self {
@@ -179,8 +207,14 @@ impl Default for ProgramSpec {
                 angle_deg: None,
                 chord_um: 1.0,
                 polish_um: None,
+                lengths: CutterLengths::default(),
             },
-            roughing: RoughingSpec { ball_mm: None, allowance_mm: 0.3, stepdown_mm: None },
+            roughing: RoughingSpec {
+                ball_mm: None,
+                allowance_mm: 0.3,
+                stepdown_mm: None,
+                lengths: CutterLengths::default(),
+            },
             speeds: SpeedsSpec {
                 teeth: 2,
                 feed_mm_min: None,
@@ -194,6 +228,8 @@ impl Default for ProgramSpec {
                 acceleration_mm_s2: 500.0,
                 travel_mm: None,
                 safe_mm: 5.0,
+                // The nut of a collet chuck ER 25, a common one of light mills.
+                holder_diameter_mm: 42.0,
             },
         }
     }

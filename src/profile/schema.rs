@@ -71,7 +71,13 @@ const RARE: &[&str] = &[
     "general_tolerance",
     "work_offset",
     "polish_um",
+    "flute_mm",
+    "shank_diameter_mm",
+    "stickout_mm",
     "rough_ball_mm",
+    "rough_flute_mm",
+    "rough_shank_diameter_mm",
+    "rough_stickout_mm",
     "stepdown_mm",
     "teeth",
     "rough_feed_mm_min",
@@ -81,6 +87,7 @@ const RARE: &[&str] = &[
     "acceleration_mm_s2",
     "travel_mm",
     "safe_mm",
+    "holder_diameter_mm",
 ];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
@@ -311,7 +318,13 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "angle_deg",
             "chord_um",
             "polish_um",
+            "flute_mm",
+            "shank_diameter_mm",
+            "stickout_mm",
             "rough_ball_mm",
+            "rough_flute_mm",
+            "rough_shank_diameter_mm",
+            "rough_stickout_mm",
             "allowance_mm",
             "stepdown_mm",
             "teeth",
@@ -324,6 +337,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "acceleration_mm_s2",
             "travel_mm",
             "safe_mm",
+            "holder_diameter_mm",
         ],
     ),
 ];

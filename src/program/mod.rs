@@ -3,23 +3,27 @@
 //! - [`ToolPath::read`] reads the RS-274 text (G code): modal words to straight moves of the tool's tip, arcs as chords.
 //!   What it does not know it refuses by line and name: nothing is skipped.
 //! - [`SweptBall`] is what a ball cutter along those moves leaves: the lowest place of all balls over each place of the plan.
-//! - [`StockMap`] is a block that is cut move by move, in which a rapid move is found that meets what is left.
+//! - [`StockMap`] is a block that is cut move by move: rapid moves that meet what is left are found, and what is highest beside the
+//!   cutter, of which its shank and its holder are to stay clear.
 //! - [`MachineLimits`] tells the time of moves with their starts, stops and corners.
 //!
 //! The room knows no mirror and no profile, so what it finds of a program is of the program alone.
 
 mod arc;
+mod band_heights;
 mod coverage;
 mod machine_time;
 mod modal;
 mod reader;
+mod stock_beside;
 mod stock_map;
 mod swept_ball;
 mod words;
 
 pub use coverage::PathCoverage;
 pub use machine_time::MachineLimits;
-pub use stock_map::{MovedInto, StockMap, StockMoves};
+pub use stock_beside::StockBeside;
+pub use stock_map::{HeldCutter, MovedInto, StockMap, StockMoves};
 pub use swept_ball::{SweptBall, SweptPlace};
 
 use crate::geom::DVec3;

@@ -1,6 +1,8 @@
 //! A block under a ball cutter: what is left of it over a grid of places after each program, and moves that should not meet it.
 
 use super::ToolMove;
+use super::band_heights::BandHeights;
+use super::stock_beside::{HighestBeside, StockBeside};
 use super::swept_ball::lower_side;
 use crate::geom::{DVec2, DVec3};
 use crate::parallel;
@@ -37,13 +39,28 @@ pub struct MovedInto {
     pub depth_mm: f64,
 }
 
-/// What is wrong with the moves of a program on what is left of a block: the first of each kind.
+/// A ball cutter in its holder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldCutter {
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Radius of what is above its teeth, mm.
+    pub shank_mm: f64,
+    /// Radius of the holder, mm.
+    pub holder_mm: f64,
+}
+
+/// How the moves of a program meet what is left of a block.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StockMoves {
-    /// A rapid move through the block.
+    /// The first rapid move through the block.
     pub rapid: Option<MovedInto>,
-    /// A feed move straight down into it.
+    /// The first feed move straight down into it.
     pub plunge: Option<MovedInto>,
+    /// What is highest over the tip where the shank or the ball pass: teeth must be longer.
+    pub by_shank: Option<StockBeside>,
+    /// What is highest over the tip where the holder passes: the cutter must stand out of it by more.
+    pub by_holder: Option<StockBeside>,
 }
 
 impl StockMap {
@@ -64,17 +81,18 @@ impl StockMap {
         self.first + self.pitch_mm * DVec2::new((k % columns) as f64, (k / columns) as f64)
     }
 
-    /// Takes away what the ball of radius `radius_mm` cuts along `moves` of its tip, one after the other.
-    pub fn cut(&mut self, moves: &[ToolMove], radius_mm: f64) -> StockMoves {
+    /// Takes away what a cutter cuts along `moves` of its tip, one after the other.
+    pub fn cut(&mut self, moves: &[ToolMove], cutter: &HeldCutter) -> StockMoves {
         let [columns, rows] = self.size;
         let bands = rows.div_ceil(BAND);
         let found = parallel::map(bands, 1, |band| {
             let from = band * BAND;
             let count = BAND.min(rows - from);
             let heights = self.heights[from * columns..(from + count) * columns].to_vec();
-            let mut band = Band { map: self, from, heights, found: StockMoves::default() };
-            moves.iter().for_each(|step| band.cut(step, radius_mm));
-            (band.heights, band.found)
+            let heights = BandHeights::new(heights, (columns, from), (self.first, self.pitch_mm));
+            let mut band = Band::new(heights, cutter);
+            moves.iter().for_each(|step| band.pass(step));
+            band.end()
         });
         let mut moved = StockMoves::default();
         self.heights.clear();
@@ -82,6 +100,8 @@ impl StockMap {
             self.heights.extend(heights);
             moved.rapid = first_of(moved.rapid, found.rapid);
             moved.plunge = first_of(moved.plunge, found.plunge);
+            moved.by_shank = highest_of(moved.by_shank, found.by_shank);
+            moved.by_holder = highest_of(moved.by_holder, found.by_holder);
         }
         moved
     }
@@ -98,52 +118,70 @@ fn first_of(a: Option<MovedInto>, b: Option<MovedInto>) -> Option<MovedInto> {
     }
 }
 
-/// Some rows of the grid.
-struct Band<'a> {
-    map: &'a StockMap,
-    from: usize,
-    heights: Vec<f64>,
+/// The higher one; of two as high the first.
+fn highest_of(a: Option<StockBeside>, b: Option<StockBeside>) -> Option<StockBeside> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b.over_tip_mm > a.over_tip_mm { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Some rows of the grid, and a cutter over them.
+struct Band {
+    heights: BandHeights,
+    ball_mm: f64,
+    by_shank: HighestBeside,
+    by_holder: HighestBeside,
     found: StockMoves,
 }
 
-impl Band<'_> {
-    fn cut(&mut self, step: &ToolMove, radius_mm: f64) {
-        let [columns, _] = self.map.size;
-        let rows = self.heights.len() / columns;
-        let up = DVec3::Z * radius_mm;
-        let centres = [step.from + up, step.to + up];
-        let [a, b] = centres.map(|centre| (centre.truncate() - self.map.first) / self.map.pitch_mm);
-        let reach = radius_mm / self.map.pitch_mm;
-        let range = |low: f64, high: f64, count: usize| {
-            let from = (low - reach).ceil().max(0.0);
-            let to = (high + reach).floor().min(count as f64 - 1.0);
-            if to < from { 0..0 } else { from as usize..to as usize + 1 }
-        };
-        let down = self.from as f64;
-        let lines = range(a.y.min(b.y) - down, a.y.max(b.y) - down, rows);
-        if lines.is_empty() {
-            return;
+impl Band {
+    fn new(heights: BandHeights, cutter: &HeldCutter) -> Self {
+        let HeldCutter { ball_mm, shank_mm, holder_mm } = *cutter;
+        Self {
+            heights,
+            ball_mm,
+            by_shank: HighestBeside::new(shank_mm.max(ball_mm)),
+            by_holder: HighestBeside::new(holder_mm),
+            found: StockMoves::default(),
         }
-        let places = range(a.x.min(b.x), a.x.max(b.x), columns);
-        let middle = 0.5 * (centres[0] + centres[1]).truncate();
-        let half = 0.5 * (centres[1] - centres[0]).truncate().length();
+    }
+
+    fn end(self) -> (Vec<f64>, StockMoves) {
+        let [by_shank, by_holder] = [self.by_shank.found, self.by_holder.found];
+        (self.heights.into_heights(), StockMoves { by_shank, by_holder, ..self.found })
+    }
+
+    fn pass(&mut self, step: &ToolMove) {
+        self.by_shank.pass(step, &mut self.heights);
+        self.by_holder.pass(step, &mut self.heights);
+        self.cut(step);
+    }
+
+    fn cut(&mut self, step: &ToolMove) {
+        let radius_mm = self.ball_mm;
+        let centres = [step.from, step.to].map(|tip| tip + DVec3::Z * radius_mm);
+        let ends = centres.map(|centre| centre.truncate());
+        let [rows, columns] = self.heights.within(ends, radius_mm);
+        let middle = 0.5 * (ends[0] + ends[1]);
+        let half = 0.5 * ends[0].distance(ends[1]);
         let lowest = step.from.z.min(step.to.z);
-        for row in lines {
-            for column in places.clone() {
-                let k = row * columns + column;
-                let at = self.map.place((self.from + row) * columns + column);
+        for row in rows {
+            for column in columns.clone() {
+                let k = row * self.heights.columns() + column;
+                let (at, height) = (self.heights.place(k), self.heights.height(k));
                 // A ball's lower side is above the paraboloid of its curvature; most places are lower by then.
                 let beside = (at.distance(middle) - half).max(0.0);
-                if self.heights[k] <= lowest + beside * beside / (2.0 * radius_mm) {
+                if height <= lowest + beside * beside / (2.0 * radius_mm) {
                     continue;
                 }
                 let Some((z, _)) = lower_side(&centres, at, radius_mm) else { continue };
-                let depth_mm = self.heights[k] - z;
+                let depth_mm = height - z;
                 if depth_mm > 0.0 {
                     if depth_mm > FLOOR_MM {
-                        self.meet(step, at.extend(self.heights[k]), depth_mm);
+                        self.meet(step, at.extend(height), depth_mm);
                     }
-                    self.heights[k] = z;
+                    self.heights.lower(k, z);
                 }
             }
         }
@@ -167,6 +205,10 @@ mod tests {
         ToolMove { from: from.into(), to: to.into(), feed, line }
     }
 
+    fn cutter(ball_mm: f64) -> HeldCutter {
+        HeldCutter { ball_mm, shank_mm: ball_mm, holder_mm: 5.0 }
+    }
+
     fn block() -> StockMap {
         StockMap::new([DVec2::splat(-10.0), DVec2::splat(10.0)], 5.0)
     }
@@ -175,8 +217,9 @@ mod tests {
     #[test]
     fn a_groove_has_the_balls_section() {
         let mut map = block();
-        let found = map.cut(&[step([-13.0, 0.0, 4.0], [13.0, 0.0, 4.0], Some(1.0), 1)], 2.0);
-        assert_eq!(found, StockMoves::default());
+        let found =
+            map.cut(&[step([-13.0, 0.0, 4.0], [13.0, 0.0, 4.0], Some(1.0), 1)], &cutter(2.0));
+        assert_eq!((found.rapid, found.plunge), (None, None));
         for k in 0..map.heights.len() {
             let y = map.place(k).y;
             let exact = if 4.0 - y * y > 1.0 { 6.0 - f64::sqrt(4.0 - y * y) } else { 5.0 };
@@ -190,15 +233,45 @@ mod tests {
         let over = step([13.0, 0.0, 4.0], [-13.0, 0.0, 4.0], None, 2);
         let aside = step([-13.0, 0.5, 4.0], [13.0, 0.5, 4.0], None, 3);
         let again = step([13.0, 1.0, 4.0], [-13.0, 1.0, 4.0], None, 4);
-        let found = block().cut(&[cut, over, aside, again], 2.0);
+        let found = block().cut(&[cut, over, aside, again], &cutter(2.0));
         let rapid = found.rapid.unwrap();
         assert_eq!((rapid.line, found.plunge), (3, None));
         // At most what the groove beside leaves: at y = 1.5 + 0.25, half way between both arcs' depths.
         assert!(rapid.depth_mm > 0.3 && rapid.depth_mm < 1.0, "{rapid:?}");
         let down = step([0.0, 5.0, 6.0], [0.0, 5.0, 4.5], Some(1.0), 7);
-        let plunge = block().cut(&[cut, down], 2.0).plunge.unwrap();
+        let plunge = block().cut(&[cut, down], &cutter(2.0)).plunge.unwrap();
         assert!(plunge.line == 7 && (plunge.depth_mm - 0.5).abs() < 1e-2, "{plunge:?}");
         let ramp = step([0.0, 5.0, 6.0], [1.0, 5.0, 4.5], Some(1.0), 7);
-        assert_eq!(block().cut(&[cut, ramp], 2.0), StockMoves::default());
+        let found = block().cut(&[cut, ramp], &cutter(2.0));
+        assert_eq!((found.rapid, found.plunge), (None, None));
+    }
+    /// Beside a groove that is cut in two steps, the ball has a millimetre and then two over its tip, the holder as much of the block's
+    /// top, wherever it passes; beside the block, what the holder reaches of it.
+    #[test]
+    fn what_stands_beside_a_cutter_is_measured_from_its_tip() {
+        let first = step([-13.0, 0.0, 4.0], [13.0, 0.0, 4.0], Some(1.0), 1);
+        let second = step([13.0, 0.0, 2.5], [-13.0, 0.0, 2.5], Some(1.0), 2);
+        let mut map = block();
+        let found = map.cut(&[first], &cutter(2.0));
+        let [shank, holder] = [found.by_shank, found.by_holder].map(Option::unwrap);
+        assert_eq!((shank.over_tip_mm, shank.line), (1.0, 1));
+        assert_eq!((holder.over_tip_mm, holder.line), (1.0, 1));
+        let found = map.cut(&[second], &cutter(2.0));
+        // The ball has left the block's top two millimetres and more beside its middle: sqrt(4 - 1) = 1.73 of the first groove.
+        assert_eq!(found.by_shank.unwrap().over_tip_mm, 2.5);
+        assert_eq!(found.by_holder.unwrap().over_tip_mm, 2.5);
+        // A thin shank would pass, but the ball's sides do not.
+        let thin = HeldCutter { shank_mm: 0.5, ..cutter(1.0) };
+        let found = map.cut(&[second], &thin);
+        assert!(found.by_shank.unwrap().over_tip_mm < 0.3, "{found:?}");
+        // Down beside the block, 14 mm from its middle: the holder of 5 mm comes over its side, one of 3 mm does not.
+        let beside = step([14.0, 0.0, 9.0], [14.0, 0.0, 1.0], None, 3);
+        let found = block().cut(&[beside], &cutter(2.0));
+        assert_eq!(
+            (found.by_shank, found.by_holder.map(|beside| beside.over_tip_mm)),
+            (None, Some(4.0))
+        );
+        let narrow = HeldCutter { holder_mm: 3.0, ..cutter(2.0) };
+        assert_eq!(block().cut(&[beside], &narrow).by_holder, None);
     }
 }

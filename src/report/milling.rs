@@ -5,7 +5,9 @@ use super::fact_rows::{errors_sentence, ray_counts};
 use super::maps::left_map;
 use super::page::{map_figure, page_of};
 use crate::raster::{EncodingError, FalseColourMap};
-use crate::results::{AsCutFacts, LeftFacts, OperationFacts, ProgramReport, figures, three_digits};
+use crate::results::{
+    AsCutFacts, LeftFacts, LengthFacts, OperationFacts, ProgramReport, figures, three_digits,
+};
 
 impl ProgramReport {
     /// `program.html`, with the maps of what is left and of pixel errors.
@@ -52,7 +54,7 @@ impl Answer for ProgramReport {
 
     fn rows(&self) -> AnswerRows {
         let mut rows = AnswerRows::default();
-        let Self { material, control, work_offset, stock, reach_mm, .. } = self;
+        let Self { material, control, work_offset, stock, .. } = self;
         let [x, y, z] = stock.size_mm;
         rows.add(
             "stock",
@@ -70,13 +72,8 @@ impl Answer for ProgramReport {
             ),
         );
         self.operations.iter().for_each(|operation| operation.add_to(&mut rows));
-        rows.add(
-            "time",
-            format!(
-                "{} min on the machine; a cutter stands out of its holder by {reach_mm:.1} mm at least",
-                three_digits(self.machine_min)
-            ),
-        );
+        rows.add("time", format!("{} min on the machine", three_digits(self.machine_min)));
+        self.add_cutters(&mut rows);
         self.add_picture(&mut rows);
         let [x, y, z] = self.travel_mm;
         rows.details(|rows| {
@@ -92,6 +89,23 @@ impl Answer for ProgramReport {
 }
 
 impl ProgramReport {
+    /// A row for each ball, with the most that its operations need.
+    fn add_cutters(&self, rows: &mut AnswerRows) {
+        let mut balls: Vec<f64> = self.operations.iter().map(|done| done.ball_mm).collect();
+        balls.dedup();
+        for ball_mm in balls {
+            let of_ball = || self.operations.iter().filter(|done| done.ball_mm == ball_mm);
+            let longest = |length: fn(&OperationFacts) -> Option<LengthFacts>| {
+                let lengths = of_ball().filter_map(length);
+                lengths.reduce(|a, b| if b.least_mm > a.least_mm { b } else { a })
+            };
+            let flute = length_words("teeth", longest(|done| done.flute), "long");
+            let holder = format!("out of a holder of {} mm diameter", self.holder_diameter_mm);
+            let stickout = length_words("", longest(|done| done.stickout), &holder);
+            rows.add("cutter", format!("ball of {ball_mm} mm radius, {flute},{stickout}"));
+        }
+    }
+
     fn add_picture(&self, rows: &mut AnswerRows) {
         let Some(AsCutFacts { optical_triangles, trace }) = &self.as_cut else {
             rows.add("picture", "none: the finishing program cuts no face");
@@ -121,6 +135,18 @@ impl ProgramReport {
                 rows.add("foreseen", format!("{foreseen} px, by the study of its raster"));
             }
         });
+    }
+}
+
+/// A length of a cutter in words, up to the next tenth of a millimetre.
+fn length_words(before: &str, length: Option<LengthFacts>, after: &str) -> String {
+    let Some(LengthFacts { least_mm, given_mm, .. }) = length else {
+        return format!("{before} any length {after}");
+    };
+    let least = format!("{:.1} mm", 0.1 * f64::ceil(10.0 * least_mm));
+    match given_mm {
+        Some(given) => format!("{before} {given} mm {after} ({least} needed)"),
+        None => format!("{before} at least {least} {after}"),
     }
 }
 

@@ -31,6 +31,8 @@ pub struct ProgramReport {
     pub machine_min: f64,
     /// Least length of a cutter out of its holder, mm: the depth from the stock's top to the lowest place of a tip.
     pub reach_mm: f64,
+    /// Diameter of the holder, mm.
+    pub holder_diameter_mm: f64,
     /// What the programs travel along X, Y and Z, mm.
     pub travel_mm: [f64; 3],
     /// What the study of the finishing raster foresees of its scallops, pixels.
@@ -85,6 +87,23 @@ pub struct OperationFacts {
     pub machine_min: f64,
     /// What is left on the mirror after it, over a grid of places; none where no place of it is over the mirror.
     pub left: Option<LeftFacts>,
+    /// Length of the cutter's teeth; none where nothing is in the way of its shank.
+    pub flute: Option<LengthFacts>,
+    /// Length of the cutter out of its holder; none where nothing is in the way of that.
+    pub stickout: Option<LengthFacts>,
+}
+
+/// Length of a part of a cutter from its tip up, beyond which it must be to stay clear of the stock.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct LengthFacts {
+    /// The least: how high the stock stands over the tip at most, over a grid of places, mm.
+    pub least_mm: f64,
+    /// What the profile has, mm; none where it names none.
+    pub given_mm: Option<f64>,
+    /// Line of the program.
+    pub line: u32,
+    /// X and Y of the place, mm.
+    pub at_mm: [f64; 2],
 }
 
 /// What is left on a mirror, along its normal.

@@ -50,13 +50,13 @@ pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
 };
 pub use measured::{AlignmentFacts, UnitFacts};
-pub use milling::{LeftFacts, OperationFacts, ProgramReport};
+pub use milling::{LeftFacts, LengthFacts, OperationFacts, ProgramReport};
 pub use program::{CutDeparture, ProgramFacts};
 pub use reason::{Reason, ReasonKind};
 pub use render::RenderReport;
 pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{ApertureFacts, SharpnessFacts};
-pub use study_faults::{CuttingFault, ReplayFault, StudyFault};
+pub use study_faults::{CutterPart, CuttingFault, ReplayFault, StockMeeting, StudyFault};
 pub use tolerance::{FacetsFrom, ToleranceReport};
 pub use tool::ToolFacts;
 pub use unwrap::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};

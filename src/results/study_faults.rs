@@ -103,11 +103,14 @@ pub enum CuttingFault {
         /// Most facets.
         most: f64,
     },
-    /// A rapid move meets the stock.
+    /// A move meets the stock as it should not.
     #[error(
-        "the rapid move of line {line} goes {depth_mm:.3} mm deep into the stock at X {:.3}, Y {:.3} mm", at_mm[0], at_mm[1]
+        "the {} {depth_mm:.3} mm {} the stock at X {:.3}, Y {:.3} mm", meeting.words(*line)[0], meeting.words(*line)[1], at_mm[0],
+        at_mm[1]
     )]
-    RapidIntoStock {
+    IntoStock {
+        /// How.
+        meeting: StockMeeting,
         /// Line of the program.
         line: u32,
         /// X and Y of a place that it meets, mm.
@@ -115,17 +118,22 @@ pub enum CuttingFault {
         /// How deep it goes there, mm.
         depth_mm: f64,
     },
-    /// A feed move goes straight down into the stock.
+    /// Other parts of a cutter than its teeth meet the stock.
     #[error(
-        "the move of line {line} goes straight down, {depth_mm:.3} mm into the stock at X {:.3}, Y {:.3} mm", at_mm[0], at_mm[1]
+        "the {} meets the stock at X {:.3}, Y {:.3} mm, which stands {least_mm:.3} mm over the tip in line {line}, and {} \
+         {given_mm} mm; {}", part.words()[0], at_mm[0], at_mm[1], part.words()[1], part.words()[2]
     )]
-    Plunge {
+    Short {
+        /// Which.
+        part: CutterPart,
         /// Line of the program.
         line: u32,
-        /// X and Y of a place that it meets, mm.
+        /// X and Y of the place, mm.
         at_mm: [f64; 2],
-        /// How deep it goes there, mm.
-        depth_mm: f64,
+        /// How high the stock stands over the tip there, mm.
+        least_mm: f64,
+        /// How far above the tip the part begins, mm.
+        given_mm: f64,
     },
     /// More is taken away than should be.
     #[error(
@@ -168,6 +176,51 @@ pub enum CuttingFault {
         /// Why.
         why: String,
     },
+}
+
+/// How a move meets the stock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StockMeeting {
+    /// By a rapid move.
+    Rapid,
+    /// Straight down by a feed move.
+    Plunge,
+}
+
+impl StockMeeting {
+    fn words(self, line: u32) -> [String; 2] {
+        match self {
+            Self::Rapid => [format!("rapid move of line {line} goes"), "deep into".to_owned()],
+            Self::Plunge => [format!("move of line {line} goes straight down,"), "into".to_owned()],
+        }
+    }
+}
+
+/// A part of a cutter that is not to meet the stock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CutterPart {
+    /// What is above the teeth.
+    Shank,
+    /// The holder, with its nut.
+    Holder,
+}
+
+impl CutterPart {
+    /// The part, where it begins, and what helps.
+    fn words(self) -> [&'static str; 3] {
+        match self {
+            Self::Shank => [
+                "cutter's shank",
+                "its teeth are as long as",
+                "take a cutter of longer teeth, or smaller levels by program.stepdown_mm",
+            ],
+            Self::Holder => [
+                "holder",
+                "the cutter stands out of it by",
+                "clamp it farther out, take a longer cutter, or a holder of less program.holder_diameter_mm",
+            ],
+        }
+    }
 }
 
 fn stepover(mm: Option<f64>) -> String {

@@ -1,13 +1,12 @@
 //! What programs leave of a block, one after the other, held against the mirror.
 
 use crate::design::Design;
-use crate::geom::DVec3;
 use crate::machining::{BallRaster, FLOOR_MM, SurfaceAnalysis, surface_on_face};
-use crate::milling::{OperationKind, StockBlock};
+use crate::milling::{Operation, OperationKind, StockBlock};
 use crate::parallel;
 use crate::profile::Profile;
-use crate::program::{StockMap, ToolPath};
-use crate::results::{CuttingFault, LeftFacts};
+use crate::program::{HeldCutter, MovedInto, StockBeside, StockMap, ToolPath};
+use crate::results::{CutterPart, CuttingFault, LeftFacts, LengthFacts, StockMeeting};
 
 /// Least that roughing and semi-finishing leave over what they are asked to.
 const LEAST_ALLOWANCE: f64 = 0.9;
@@ -48,6 +47,8 @@ pub(crate) struct MilledBlock {
 pub(crate) struct ProgramLeft {
     /// How much on the mirror; none where no place of the grid is over it.
     pub left: Option<LeftFacts>,
+    /// Least length of the cutter's teeth, and of the cutter out of its holder; none of moves that meet no stock.
+    pub lengths: [Option<LengthFacts>; 2],
     /// What is wrong.
     pub faults: Vec<CuttingFault>,
 }
@@ -63,25 +64,32 @@ impl MilledBlock {
         Self { map, mirror }
     }
 
-    /// Takes away what a program cuts with a ball, which is to leave `allowance_mm`; its moves are within `chord_mm` of their paths.
+    /// Takes away what a program of an operation cuts, whose moves are within `chord_mm` of their paths, with a cutter in a holder of this
+    /// diameter.
     pub(crate) fn cut(
         &mut self,
         path: &ToolPath,
-        kind: OperationKind,
-        [ball_mm, allowance_mm, chord_mm]: [f64; 3],
+        operation: &Operation,
+        [chord_mm, holder_mm]: [f64; 2],
     ) -> ProgramLeft {
-        let moved = self.map.cut(&path.moves, ball_mm);
-        let at_mm = |at: DVec3| [at.x, at.y];
-        let rapid = moved.rapid.map(|rapid| CuttingFault::RapidIntoStock {
-            line: rapid.line,
-            at_mm: at_mm(rapid.at),
-            depth_mm: rapid.depth_mm,
-        });
-        let plunge = moved.plunge.map(|plunge| CuttingFault::Plunge {
-            line: plunge.line,
-            at_mm: at_mm(plunge.at),
-            depth_mm: plunge.depth_mm,
-        });
+        let Operation { kind, ball_mm, allowance_mm, lengths, .. } = *operation;
+        let shank_mm = lengths.shank_diameter_mm.map_or(ball_mm, |wide| 0.5 * wide);
+        let cutter = HeldCutter { ball_mm, shank_mm, holder_mm: 0.5 * holder_mm };
+        let moved = self.map.cut(&path.moves, &cutter);
+        let met = |kind: StockMeeting, found: MovedInto| CuttingFault::IntoStock {
+            meeting: kind,
+            line: found.line,
+            at_mm: found.at.truncate().to_array(),
+            depth_mm: found.depth_mm,
+        };
+        let rapid = moved.rapid.map(|found| met(StockMeeting::Rapid, found));
+        let plunge = moved.plunge.map(|found| met(StockMeeting::Plunge, found));
+        let [teeth, out] = [
+            (moved.by_shank, lengths.flute_mm, CutterPart::Shank),
+            (moved.by_holder, lengths.stickout_mm, CutterPart::Holder),
+        ]
+        .map(|(beside, given_mm, part)| (beside.map(|beside| length(beside, given_mm)), part));
+        let short = [teeth, out].map(|(length, part)| too_short(length?, part));
         let left = self.left();
         let least_mm = match kind {
             OperationKind::Finishing => -chord_mm - GOUGE_MM,
@@ -93,7 +101,8 @@ impl MilledBlock {
                 asked_um: 1e3 * allowance_mm,
                 at_mm: left.least_at_mm,
             });
-        ProgramLeft { left, faults: [rapid, plunge, gouge].into_iter().flatten().collect() }
+        let faults = [rapid, plunge].into_iter().chain(short).chain([gouge]).flatten().collect();
+        ProgramLeft { left, lengths: [teeth.0, out.0], faults }
     }
 
     /// The least and the most that is left on the mirror.
@@ -127,4 +136,16 @@ impl MilledBlock {
         });
         (left.collect(), self.map.size, self.map.pitch_mm)
     }
+}
+
+/// The least length of a part of a cutter, which stays clear of what stands beside it.
+fn length(beside: StockBeside, given_mm: Option<f64>) -> LengthFacts {
+    let StockBeside { line, at, over_tip_mm } = beside;
+    LengthFacts { least_mm: over_tip_mm, given_mm, line, at_mm: at.truncate().to_array() }
+}
+
+fn too_short(length: LengthFacts, part: CutterPart) -> Option<CuttingFault> {
+    let LengthFacts { least_mm, given_mm, line, at_mm } = length;
+    let given_mm = given_mm.filter(|given| *given < least_mm)?;
+    Some(CuttingFault::Short { part, line, at_mm, least_mm, given_mm })
 }

@@ -179,6 +179,47 @@ fn a_polished_face_is_held_to_its_scallops() {
     assert!(said.contains("over the 4 um of program.polish_um"), "{said}");
 }
 
+/// Over a dome of 20 mm radius, 20 mm wide, a holder that covers it has the apex with its allowance over the lowest tip; the ball has
+/// as much of the stock beside its tip as a level is deep, at least. Cutters that are a tenth shorter fail, by line and place.
+#[test]
+fn shank_and_holder_stay_clear_of_what_is_left() {
+    let dome =
+        edited(BOWL, &[("radius_mm = 20", "radius_mm = -20"), ("base_mm = 5", "base_mm = 8")]);
+    let program = "[program]\nstepover_mm = 0.3\nallowance_mm = 0.4\nstepdown_mm = 0.9\nholder_diameter_mm = 60";
+    let with = |more: &str| milled(&parsed(&format!("{dome}\n{program}\n{more}\n")));
+    let (report, files) = with("");
+    assert_eq!(cutting_faults(&report), [""; 0]);
+    let apex_mm = 8.0 + 20.0 - f64::sqrt(400.0 - 100.0);
+    let finishing = ToolPath::read(text(&files, "finishing.ngc").as_bytes()).unwrap();
+    let lowest = finishing.moves.iter().map(|step| step.to.z).fold(f64::INFINITY, f64::min);
+    let needed =
+        |k: usize| [report.operations[k].flute, report.operations[k].stickout].map(Option::unwrap);
+    let [_, stickout] = needed(2);
+    let over = stickout.least_mm - (apex_mm - lowest);
+    assert!((0.9 * 0.4..1.1 * 0.4).contains(&over), "{over}: {stickout:?}");
+    assert!(stickout.at_mm.iter().all(|mm| mm.abs() < 1.5), "{stickout:?}");
+    let [flute, _] = needed(0);
+    assert!(flute.least_mm > 0.9 - 1e-9 && flute.least_mm < 3.0, "{flute:?}");
+    let longest = |length: usize| (0..3).map(|k| needed(k)[length].least_mm).fold(0.0, f64::max);
+    let held = |flute: f64, stickout: f64| {
+        let (report, _) = with(&format!("flute_mm = {flute}\nstickout_mm = {stickout}"));
+        cutting_faults(&report).join("\n")
+    };
+    let stickout = longest(1);
+    assert_eq!(held(longest(0).max(3.0) + 0.1, stickout + 0.1), "");
+    let said = held(3.0, 0.9 * stickout);
+    assert!(
+        said.contains("the holder meets the stock") && said.contains("stands out of it by"),
+        "{said}"
+    );
+    let thick = with("flute_mm = 3\nshank_diameter_mm = 12").0;
+    let said = cutting_faults(&thick).join("\n");
+    assert!(
+        said.contains("the cutter's shank meets the stock") && said.contains("longer teeth"),
+        "{said}"
+    );
+}
+
 #[test]
 fn what_cannot_be_milled_is_refused_with_what_would() {
     let said = refused(&small("ball_mm = 1.5\ntravel_mm = [400, 400, 2]"));

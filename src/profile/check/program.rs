@@ -1,8 +1,8 @@
 //! How the mirror is milled: `[program]`.
 
 use super::super::program::{
-    FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec, StockMaterial,
-    WorkOffset,
+    CutterLengths, FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec,
+    StockMaterial, WorkOffset,
 };
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
@@ -36,6 +36,13 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> ProgramSpec {
     }
 }
 
+/// Radius of the smallest ball, mm.
+const LEAST_BALL_MM: f64 = 0.05;
+/// Keys of the lengths of a cutter: teeth, shank, out of the holder.
+const FINISHING_LENGTHS: [&str; 3] = ["flute_mm", "shank_diameter_mm", "stickout_mm"];
+const ROUGHING_LENGTHS: [&str; 3] =
+    ["rough_flute_mm", "rough_shank_diameter_mm", "rough_stickout_mm"];
+
 /// The table, and who complains of it.
 struct Table<'r, 'f, 's, 't> {
     reader: &'r mut ProfileReader<'f>,
@@ -56,7 +63,7 @@ impl Table<'_, '_, '_, '_> {
 
     fn finishing(&mut self, usual: FinishingSpec) -> FinishingSpec {
         let hint = "the radius of the ball, as in ball_mm = 3";
-        let ball_mm = self.value("ball_mm", [0.05, 1000.0], hint).unwrap_or(usual.ball_mm);
+        let ball_mm = self.value("ball_mm", [LEAST_BALL_MM, 1000.0], hint).unwrap_or(usual.ball_mm);
         let hint = "from line to line of finishing, as in stepover_mm = 0.3";
         let stepover = self.figure("stepover_mm", [1e-3, 100.0], hint);
         if let Some(Located { value, at }) = stepover.filter(|mm| mm.value >= 2.0 * ball_mm) {
@@ -85,17 +92,52 @@ impl Table<'_, '_, '_, '_> {
             angle_deg,
             chord_um,
             polish_um,
+            lengths: self.lengths(FINISHING_LENGTHS, Some(ball_mm)),
         }
     }
 
     fn roughing(&mut self, usual: RoughingSpec) -> RoughingSpec {
         let hint = "the radius of the ball that roughs, as in rough_ball_mm = 4";
-        let ball_mm = self.value("rough_ball_mm", [0.05, 1000.0], hint);
+        let ball_mm = self.value("rough_ball_mm", [LEAST_BALL_MM, 1000.0], hint);
         let hint = "what roughing leaves, as in allowance_mm = 0.3";
         let allowance = self.value("allowance_mm", [0.01, 10.0], hint);
         let hint = "from level to level of roughing, as in stepdown_mm = 1";
         let stepdown_mm = self.value("stepdown_mm", [0.01, 100.0], hint);
-        RoughingSpec { ball_mm, allowance_mm: allowance.unwrap_or(usual.allowance_mm), stepdown_mm }
+        RoughingSpec {
+            ball_mm,
+            allowance_mm: allowance.unwrap_or(usual.allowance_mm),
+            stepdown_mm,
+            lengths: self.lengths(ROUGHING_LENGTHS, ball_mm),
+        }
+    }
+
+    /// Lengths of a cutter, by their keys; one without a ball of its own has none.
+    fn lengths(
+        &mut self,
+        [flute, shank, stickout]: [&str; 3],
+        ball_mm: Option<f64>,
+    ) -> CutterLengths {
+        let ball = ball_mm.unwrap_or(LEAST_BALL_MM);
+        let hint = format!("the length of the teeth from the tip, as in {flute} = {}", 4.0 * ball);
+        let flute = self.figure(flute, [ball, 1000.0], &hint);
+        let hint = format!("the diameter above the teeth, as in {shank} = {}", 2.0 * ball);
+        let shank = self.figure(shank, [LEAST_BALL_MM, 1000.0], &hint);
+        let teeth = flute.map_or(ball, |flute| flute.value);
+        let hint = format!(
+            "from the tip to the holder, no less than the teeth, as in {stickout} = {}",
+            teeth + 4.0 * ball
+        );
+        let stickout = self.figure(stickout, [teeth, 1000.0], &hint);
+        let alone = [flute, shank, stickout].into_iter().flatten().next();
+        if let (None, Some(found)) = (ball_mm, alone) {
+            let message = "lengths of a cutter that roughs must go with program.rough_ball_mm, found them alone";
+            let hint =
+                "add rough_ball_mm, its radius; without it the cutter that finishes roughs too";
+            self.reader.complain(found.at, message.to_owned(), hint);
+        }
+        let [flute_mm, shank_diameter_mm, stickout_mm] =
+            [flute, shank, stickout].map(|found| found.map(|found| found.value));
+        CutterLengths { flute_mm, shank_diameter_mm, stickout_mm }
     }
 
     fn speeds(&mut self, usual: SpeedsSpec) -> SpeedsSpec {
@@ -124,6 +166,8 @@ impl Table<'_, '_, '_, '_> {
         let acceleration = self.value("acceleration_mm_s2", [1.0, 1e6], hint);
         let hint = "the height of rapid moves over the stock, as in safe_mm = 5";
         let safe = self.value("safe_mm", [0.1, 1000.0], hint);
+        let hint = "the diameter of the holder or of its nut, as in holder_diameter_mm = 42";
+        let holder = self.value("holder_diameter_mm", [0.1, 1000.0], hint);
         MachineSpec {
             rapid_mm_min: rapid.unwrap_or(usual.rapid_mm_min),
             max_feed_mm_min: feed.unwrap_or(usual.max_feed_mm_min),
@@ -131,6 +175,7 @@ impl Table<'_, '_, '_, '_> {
             acceleration_mm_s2: acceleration.unwrap_or(usual.acceleration_mm_s2),
             travel_mm: self.travel(),
             safe_mm: safe.unwrap_or(usual.safe_mm),
+            holder_diameter_mm: holder.unwrap_or(usual.holder_diameter_mm),
         }
     }
 
