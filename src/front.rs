@@ -5,14 +5,14 @@
 
 use crate::pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Error, FrameOptions, InspectOptions,
-    MachiningOptions, ProgramOptions, RenderOptions, ReplayOptions, Silent, ToleranceOptions,
-    Unwrap, UnwrapOptions, Verify, VerifyOptions, dry_run,
+    MachiningOptions, ProgramOptions, RenderOptions, ReplayOptions, Silent, TableOptions,
+    ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions, dry_run,
 };
 use crate::profile::Profile;
 use crate::results::{
     BlurReport, BuildForecast, BuildReport, DrawingReport, FrameReport, InspectionReport,
-    MachiningReport, ProgramReport, RenderReport, ReplayReport, ToleranceReport, UnwrapReport,
-    VerifyReport,
+    MachiningReport, ProgramReport, RenderReport, ReplayReport, TableReport, ToleranceReport,
+    UnwrapReport, VerifyReport,
 };
 use std::path::Path;
 
@@ -173,6 +173,22 @@ pub fn unwrap(
 ) -> Result<UnwrapReport, Error> {
     let unwrap = Unwrap { photo: photo.as_ref(), options: UnwrapOptions::default() };
     unwrap.publish(profile, out.as_ref(), &Silent)
+}
+
+/// Tables of what each pixel looks at, for other programs: directions, and back, into `out/NAME/table`.
+///
+/// ```
+/// # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+/// # let out = tempfile::tempdir()?;
+/// let tables = morion::table(&profile, &out)?;
+/// println!("read between its nodes, table.h is off by {:?} px", tables.directions.off_px);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`enum@Error`] as of [`build`], and for a profile without a projection.
+pub fn table(profile: &Profile, out: impl AsRef<Path>) -> Result<TableReport, Error> {
+    TableOptions::default().publish(profile, out.as_ref(), &Silent)
 }
 
 /// Surveys the cut by a ball cutter of 3 mm, at the stepover and in the direction that suit the pixels, and makes the

@@ -86,6 +86,9 @@ pub mod tolerance {
 pub mod trace {
     pub use crate::trace::*;
 }
+pub mod lookup {
+    pub use crate::lookup::*;
+}
 pub mod unwrap {
     pub use crate::unwrap::*;
 }

@@ -78,6 +78,7 @@ mod geom;
 mod inspection;
 #[doc(hidden)]
 pub mod internals;
+mod lookup;
 mod machining;
 mod mesh;
 mod milling;
@@ -108,15 +109,15 @@ mod verdict;
 pub use design::{Design, DesignError};
 pub use export::Label;
 pub use front::{
-    blur, build, drawing, forecast, frame, inspect, machining, program, render, replay, tolerance,
-    unwrap, verify,
+    blur, build, drawing, forecast, frame, inspect, machining, program, render, replay, table,
+    tolerance, unwrap, verify,
 };
 pub use mesh::{Face, MeshError};
 pub use pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Effort, Error, FrameOptions,
     InspectOptions, MachiningOptions, MapFormat, Observer, OutputFile, ProgramOptions,
-    RenderOptions, ReplayOptions, Silent, SourceError, Stage, ToleranceOptions, Unwrap,
-    UnwrapOptions, Verify, VerifyOptions,
+    RenderOptions, ReplayOptions, Silent, SourceError, Stage, TableOptions, ToleranceOptions,
+    Unwrap, UnwrapOptions, Verify, VerifyOptions,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};
@@ -124,7 +125,8 @@ pub use results::{
     BlurReport, BuildForecast, BuildReport, CuttingFault, DrawingFacts, DrawingReport, FileFault,
     FrameReport, InspectionReport, LeastFilled, MachiningReport, PictureFault, PixelErrorFigure,
     ProgramReport, RayFault, Reason, ReasonKind, Refusal, RefusalCause, RenderReport, ReplayFault,
-    ReplayReport, ShapeFault, StudyFault, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
+    ReplayReport, ShapeFault, StudyFault, TableReport, ToleranceReport, UnwrapReport, Verdict,
+    VerifyReport,
 };
 pub use solid::{Solid, SolidError};
 

@@ -1,9 +1,9 @@
 //! The command line.
 
-use super::number_args::{aperture, finite, percent, pixels, positive, share, threads, trials};
+use super::number_args::{aperture, finite, percent, pixels, positive, threads, trials};
+use super::picture_args::{FrameArgs, RenderArgs, TableArgs, UnwrapArgs};
 use crate::pipeline::LengthUnit;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -46,6 +46,8 @@ pub(super) enum CommandArg {
     Frame(FrameArgs),
     /// Turn a photo through the mirror into a panorama, DIR/NAME/PHOTO-unwrapped.png
     Unwrap(UnwrapArgs),
+    /// Tables of what each pixel looks at, for other programs: directions and a floor, and back; into DIR/NAME/table/
+    Table(TableArgs),
     /// Work out the spot that each pixel sees through an open lens; picture and figures into DIR/NAME/
     Blur(BlurArgs),
     /// How well it must be made and mounted, and what share of parts will be good, into DIR/NAME/
@@ -126,70 +128,6 @@ pub(super) struct VerifyArgs {
     /// [default: none; with --align: out]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-}
-
-// Arguments of `morion render`.
-#[derive(Debug, Args)]
-pub(super) struct RenderArgs {
-    /// Profile file, or name of a shipped profile
-    pub profile: String,
-    /// grid, chessboard, errors, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
-    #[arg(long, value_name = "NAME|FILE")]
-    pub scene: String,
-    /// By the designed mirror instead of the mesh that is written and read back
-    #[arg(long)]
-    pub smooth: bool,
-    /// Side of the chessboard's squares [default: the mirror's largest width]
-    #[arg(long, value_name = "MM", value_parser = positive)]
-    pub square_mm: Option<f64>,
-    /// Millimetres that a unit of the OBJ model measures [default: 1]
-    #[arg(long, value_name = "MM", value_parser = positive)]
-    pub unit_mm: Option<f64>,
-    /// Let the OBJ model name material libraries and pictures outside its folder
-    #[arg(long)]
-    pub allow_outside: bool,
-    /// Folder for results
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub out: PathBuf,
-}
-
-// Arguments of `morion frame`.
-#[derive(Debug, Args)]
-pub(super) struct FrameArgs {
-    /// Profile file, or name of a shipped profile
-    pub profile: String,
-    /// Least share of the pixels that must see their part of the world [default: the profile's
-    /// accept.frame_filled, else 0.995 with fill_frame = true and 0.1 without]
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    pub min: Option<f64>,
-    /// Folder for results
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub out: PathBuf,
-}
-
-// Arguments of `morion unwrap`.
-#[derive(Debug, Args)]
-pub(super) struct UnwrapArgs {
-    /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
-    pub photo: PathBuf,
-    /// Profile file, or name of a shipped profile
-    #[arg(long)]
-    pub profile: String,
-    /// Folder for results
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub out: PathBuf,
-    /// Only cut out the panels, turn them upright and lay them side by side
-    #[arg(long, conflicts_with_all = ["map", "projection", "width"])]
-    pub cuts: bool,
-    /// Write the map too, for OpenCV's remap: column and row of the photo for each pixel
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    pub map: Option<MapFormatArg>,
-    /// Projection of the panorama [default: the profile's; equirectangular for round mirrors]
-    #[arg(long, value_enum, value_name = "LAW")]
-    pub projection: Option<RowsArg>,
-    /// Pixels across the panorama [default: the scale of the photo, at the rim of round mirrors]
-    #[arg(long, value_name = "N")]
-    pub width: Option<NonZeroUsize>,
 }
 
 // Arguments of `morion blur`.
@@ -390,26 +328,6 @@ pub(super) enum ShellArg {
 pub(super) struct ManArgs {
     /// A command [default: the program]
     pub command: Option<String>,
-}
-
-/// Formats of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MapFormatArg {
-    /// NumPy array of shape (rows, columns, 2)
-    Npy,
-    /// OpenEXR with the columns in channel R, the rows in G
-    Exr,
-}
-
-/// Laws of a panorama's rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum RowsArg {
-    /// The tangent of the elevation in equal steps
-    Cylindrical,
-    /// The elevation in equal steps
-    Equirectangular,
-    /// Conformal
-    Mercator,
 }
 
 /// How results are printed.

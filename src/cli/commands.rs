@@ -1,13 +1,11 @@
 //! Commands: from arguments to options.
 
-use super::args::{
-    BlurArgs, BuildArgs, FrameArgs, InspectArgs, MachiningArgs, MapFormatArg, RenderArgs, RowsArg,
-    ToleranceArgs, UnwrapArgs, VerifyArgs,
-};
+use super::args::{BlurArgs, BuildArgs, InspectArgs, MachiningArgs, ToleranceArgs, VerifyArgs};
+use super::picture_args::{FrameArgs, MapFormatArg, RenderArgs, RowsArg, TableArgs, UnwrapArgs};
 use crate::pipeline::{
     BlurOptions, BuildOptions, Effort, FrameOptions, InspectOptions, MachiningOptions, MapFormat,
-    RenderOptions, ReplayOptions, Rows, ToleranceOptions, Unwrap, UnwrapOptions, Verify,
-    VerifyOptions,
+    RenderOptions, ReplayOptions, Rows, TableOptions, ToleranceOptions, Unwrap, UnwrapOptions,
+    Verify, VerifyOptions,
 };
 use crate::results::Aperture;
 use std::num::NonZeroUsize;
@@ -65,6 +63,19 @@ impl UnwrapArgs {
         };
         let options = if self.cuts { UnwrapOptions::Cuts } else { remap };
         Unwrap { photo: &self.photo, options }
+    }
+}
+
+impl TableArgs {
+    pub(super) fn options(&self) -> TableOptions<'_> {
+        TableOptions {
+            every: self.every,
+            floor_mm: self.floor_mm,
+            range_mm: self.range_mm,
+            mm_per_px: self.mm_per_px,
+            deg_per_px: self.deg_per_px,
+            pose: self.pose.as_deref(),
+        }
     }
 }
 

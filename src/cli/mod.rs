@@ -5,6 +5,7 @@ mod commands;
 mod failure;
 mod memory;
 mod number_args;
+mod picture_args;
 mod progress;
 mod schemas;
 mod shell_help;
@@ -103,6 +104,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Render(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Frame(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Unwrap(args) => terminal.publish(&args.command(), &args.profile, &args.out),
+        CommandArg::Table(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Tolerance(args) => terminal.tolerance(args),
         CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),

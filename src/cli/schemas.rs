@@ -6,8 +6,8 @@ use crate::pipeline::{BuildTimings, Timings};
 use crate::results::{
     BlurReport, BuildForecast, BuildReport, DrawingReport, ErrorLine, FrameReport,
     InspectionReport, MachiningReport, NamedOutput, PartTrials, PoseFile, ProfileCheck,
-    ProgramReport, RenderReport, ReplayReport, SCHEMA, ShippedProfile, ToleranceReport,
-    UnwrapReport, VerifyReport,
+    ProgramReport, RenderReport, ReplayReport, SCHEMA, ShippedProfile, TableReport,
+    ToleranceReport, UnwrapReport, VerifyReport,
 };
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
@@ -39,6 +39,7 @@ fn all() -> Vec<Output> {
         output::<RenderReport>("render", "picture that was rendered", "morion render"),
         output::<FrameReport>("frame", "frame.json", "morion frame"),
         output::<UnwrapReport>("unwrap", "photo that was unwrapped", "morion unwrap"),
+        output::<TableReport>("table", "table.json", "morion table"),
         output::<BlurReport>("blur", "blur.json", "morion blur"),
         output::<ToleranceReport>("tolerance", "tolerance.json", "morion tolerance"),
         output::<PartTrials>("part", "trials of a part of a run", "morion tolerance --part"),

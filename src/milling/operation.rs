@@ -223,7 +223,7 @@ impl MillingTask<'_> {
         let ball_mm = self.raster.ball_mm;
         // (Scallops over the mirror are those over the allowance but for its thickness over the mirror's radius.)
         let asked = self.analysis.stepover_for_height(&self.raster, SEMI_SCALLOP * allowance_mm);
-        let stepover_mm = asked.unwrap_or(0.2 * ball_mm).max(self.raster.stepover_mm);
+        let stepover_mm = asked.unwrap_or(0.2 * ball_mm);
         let limits = [SEMI_CHORD * allowance_mm, f64::INFINITY];
         let lines = self.lines([ball_mm, allowance_mm], stepover_mm, limits)?;
         let rough_mm = self.rough_ball_mm();

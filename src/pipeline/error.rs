@@ -218,6 +218,14 @@ pub enum Error {
         /// The file.
         path: String,
     },
+    /// A pose is none.
+    #[error("the pose {file}: {reason}")]
+    Pose {
+        /// Its file.
+        file: String,
+        /// Why.
+        reason: String,
+    },
     /// An option has a value that means nothing.
     #[error("{option} must be {must}, found {found}")]
     Option {

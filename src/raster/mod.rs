@@ -3,6 +3,7 @@
 mod canvas;
 mod decode;
 mod false_colour;
+mod npy;
 pub mod palette;
 pub mod png;
 pub mod srgb;
@@ -14,6 +15,7 @@ pub use decode::exr_channels;
 #[cfg(test)]
 pub(crate) use false_colour::decoded;
 pub use false_colour::{FalseColourMap, MarkedPlace, ink_on, key_text, letter};
+pub use npy::npy;
 pub use text::{BitmapFont, TextBitmap};
 
 use std::fmt;

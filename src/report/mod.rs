@@ -26,6 +26,7 @@ mod program;
 mod render;
 mod replay;
 mod sharpness;
+mod table;
 mod text_layout;
 mod tolerance;
 mod tool;

@@ -187,6 +187,15 @@ fn compensation(
     linear: &LinearModel,
     asked: &[Compensator],
 ) -> Compensation {
+    Compensation::new(adjustments(system, linear, asked))
+}
+
+/// The adjustments that are asked for, also those that others can do as well.
+pub(super) fn adjustments(
+    system: &OpticalSystem,
+    linear: &LinearModel,
+    asked: &[Compensator],
+) -> Vec<Adjustment> {
     let pixel = system.camera.pixel_mm;
     let column = |of: &dyn Fn(DVec2) -> [f64; 2]| -> Vec<f64> {
         system.samples.iter().flat_map(|s| of(s.point / pixel)).collect()
@@ -213,5 +222,5 @@ fn compensation(
             Compensator::Despace => add("despace", "um", 1e3, placed(MisalignmentField::ShiftZ)),
         }
     }
-    Compensation::new(all)
+    all
 }

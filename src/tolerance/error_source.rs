@@ -26,6 +26,12 @@ impl ErrorSource {
         self.distribution == Distribution::Fixed && !self.kind.is_texture()
     }
 
+    /// Mean square of its error, in the square of its unit.
+    #[must_use]
+    pub(super) fn mean_square(&self) -> f64 {
+        self.limit * self.limit * self.distribution.mean_square()
+    }
+
     /// The same always at another limit.
     #[must_use]
     pub(super) fn fixed(&self, limit: f64) -> Self {

@@ -2,7 +2,8 @@
 
 use super::engine::Engine;
 use super::error_source::ErrorSource;
-use super::model::TextureSite;
+use super::linear_model::LinearModel;
+use super::model::{OpticalSystem, TextureSite};
 use super::perturbed_system::PerturbedSystem;
 use super::texture::{facets_displace, terraced};
 use crate::num::random::RandomStream;
@@ -71,41 +72,55 @@ impl Engine {
     /// independent from sample to sample.
     #[must_use]
     pub fn mean_square(&self, source: &ErrorSource) -> f64 {
-        let square = source.limit * source.limit * source.distribution.mean_square();
-        let strength = square.sqrt();
-        let form = |k: usize| 1e-6 * self.adjusted_square(self.linear.form(k));
-        square
-            * match source.kind.row().acts_on {
-                ActsOn::Mounting(_) | ActsOn::Camera(_) | ActsOn::Size => {
-                    let placed = self.misalignment_per_unit(source.kind);
-                    placed.map_or(0.0, |(field, unit)| {
-                        unit * unit * self.adjusted_square(self.linear.misalignment(field))
-                    })
-                }
-                ActsOn::Form(_) => {
-                    self.forms.iter().position(|form| *form == source.kind).map_or(0.0, form)
-                }
-                ActsOn::Map => self.linear.map().map_or(0.0, |map| self.adjusted_square(map)),
-                ActsOn::Texture(Texture::Waviness) => {
-                    let [cosine, sine] =
-                        self.linear.waviness().map(|wave| 1e-6 * self.adjusted_square(wave));
-                    0.125 * (cosine + sine)
-                }
-                ActsOn::Texture(Texture::Slope) => {
-                    let first = self.forms.len();
-                    let modes = self.modes.iter().enumerate();
-                    modes.map(|(m, a)| a * a * form(first + m)).sum()
-                }
-                ActsOn::Texture(Texture::Stepover) => self.stepover_square(strength),
-                ActsOn::Layers => {
-                    let share = terraced(strength, self.spec.texture.wavelength_nm);
-                    return share * share * self.adjusted_square(self.linear.terraces());
-                }
-                ActsOn::Facets => {
-                    let moved = facets_displace(strength);
-                    return self.unadjusted_share() * moved * moved;
-                }
+        let square = source.mean_square();
+        let alike = self.common_columns(&self.linear, source);
+        let alike: f64 =
+            alike.into_iter().map(|([a, b], column)| a * (b * self.adjusted_square(column))).sum();
+        match source.kind.row().acts_on {
+            ActsOn::Texture(Texture::Stepover) => square * self.stepover_square(square.sqrt()),
+            ActsOn::Layers => alike,
+            ActsOn::Facets => {
+                let moved = facets_displace(square.sqrt());
+                self.unadjusted_share() * moved * moved
             }
+            _ => square * alike,
+        }
+    }
+
+    /// Columns of `linear` in which the samples move together by a random source, each with two factors of its mean square for one of the
+    /// source's unit; of layers for their own height. None of tracks and facets, by which each moves on its own.
+    pub(super) fn common_columns<'m>(
+        &self,
+        linear: &'m LinearModel,
+        source: &ErrorSource,
+    ) -> Vec<([f64; 2], &'m [f64])> {
+        /// Of amplitudes in micrometres.
+        const FORM: f64 = 1e-6;
+        match source.kind.row().acts_on {
+            ActsOn::Mounting(_) | ActsOn::Camera(_) | ActsOn::Size => {
+                let placed = self.misalignment_per_unit(source.kind).into_iter();
+                placed.map(|(k, unit)| ([1.0, unit * unit], linear.misalignment(k))).collect()
+            }
+            ActsOn::Form(_) => {
+                let form = self.forms.iter().position(|form| *form == source.kind).into_iter();
+                form.map(|k| ([1.0, FORM], linear.form(k))).collect()
+            }
+            ActsOn::Map => linear.map().into_iter().map(|map| ([1.0; 2], map)).collect(),
+            ActsOn::Texture(Texture::Waviness) => {
+                linear.waviness().map(|wave| ([0.125, FORM], wave)).into()
+            }
+            ActsOn::Texture(Texture::Slope) => {
+                let first = self.forms.len();
+                let modes = self.modes.iter().enumerate();
+                modes.map(|(m, a)| ([a * a, FORM], linear.form(first + m))).collect()
+            }
+            ActsOn::Layers => {
+                let height_um = source.mean_square().sqrt();
+                let share = terraced(height_um, self.spec.texture.wavelength_nm);
+                vec![([share * share, 1.0], linear.terraces())]
+            }
+            ActsOn::Texture(Texture::Stepover) | ActsOn::Facets => Vec::new(),
+        }
     }
 
     /// Mean square, px^2, of a column of derivatives after adjustment.
@@ -116,23 +131,34 @@ impl Engine {
     }
 
     /// Share of a displacement that is independent from sample to sample which adjustments leave.
-    fn unadjusted_share(&self) -> f64 {
+    pub(super) fn unadjusted_share(&self) -> f64 {
         1.0 - self.adjustments().len() as f64 / (2.0 * self.samples() as f64)
     }
 
     /// Mean square of the displacement, px^2, by tool tracks `stepover_mm` apart, by the square of that.
     fn stepover_square(&self, stepover_mm: f64) -> f64 {
-        let way = self.system.tool.way;
         let by = |k: usize| {
-            let [_, x, y] = self.linear.by_form()[k];
-            let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
-            let TextureSite { groove, footprint } = &self.system.samples[k].site;
-            let seen = groove * groove * footprint.sawtooth_share(way, stepover_mm);
+            let (seen, moved) = moved_by_tracks(&self.system, &self.linear, k, stepover_mm);
             seen * (moved[0] * moved[0] + moved[1] * moved[1])
         };
         let mean = (0..self.samples()).map(by).sum::<f64>() / self.samples() as f64;
         self.unadjusted_share() * mean / 12.0
     }
+}
+
+/// Displacement of sample `k`, px, by a slope of 1 across tool tracks, and twelve times the mean square of the slope that tracks
+/// `stepover_mm` apart have in its footprint, for a stepover of one millimetre.
+pub(super) fn moved_by_tracks(
+    system: &OpticalSystem,
+    linear: &LinearModel,
+    k: usize,
+    stepover_mm: f64,
+) -> (f64, [f64; 2]) {
+    let way = system.tool.way;
+    let [_, x, y] = linear.by_form()[k];
+    let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
+    let TextureSite { groove, footprint } = &system.samples[k].site;
+    (groove * groove * footprint.sawtooth_share(way, stepover_mm), moved)
 }
 
 #[cfg(test)]

@@ -37,6 +37,7 @@ mod quadratic_yield_model;
 mod replay;
 mod sampling;
 mod sensitivity;
+mod sight_lines;
 mod slope_limit;
 mod solve_for_target;
 mod spec;
@@ -66,6 +67,7 @@ pub use plot_data::{Offender, PlotData, worst_offenders};
 pub use preset::Process;
 pub use replay::{Displacement, RigidTransform, Witnessed};
 pub use sensitivity::Sensitivity;
+pub use sight_lines::{CovariancePx, SightLines};
 pub use spec::ToleranceSpec;
 pub use study::{AdjustmentFacts, LinearityGap, SourceFacts, Study};
 pub use texture::{

@@ -191,7 +191,7 @@ impl OpticalSystem {
     }
 
     /// Chart coordinates of the mirror's point that the image point `q` sees.
-    fn sees(&self, q: DVec2) -> Option<DVec2> {
+    pub(super) fn sees(&self, q: DVec2) -> Option<DVec2> {
         let on_chart = self.camera.picture.chart_point(q);
         let place = self.mirror.intersect_camera_ray(&self.camera.chart, on_chart)?;
         self.mirror.full_outline().aims(place).then_some(place)
@@ -232,6 +232,49 @@ impl OpticalSystem {
         found
     }
 
+    /// The sample at an image point, which sees `place` of the mirror, for systems without form errors and textures.
+    fn bare_sample(&self, point: DVec2, place: DVec2) -> PixelSample {
+        let at = self.mirror.at(place);
+        let hit = self.mirror.position(place, &at);
+        PixelSample {
+            point,
+            sight: LineOfSight::new(&self.camera, point),
+            content: DVec2::ZERO,
+            panel: self.panel(place),
+            hit,
+            slope: self.mirror.slope(place, &at).to_array(),
+            square: ExpansionSquare { centre: [hit.x, hit.y], half: 0.0 },
+            site: TextureSite { groove: 0.0, footprint: Footprint::POINT },
+            base: None,
+            seen: Vec::new(),
+        }
+    }
+
+    /// The same for all systems.
+    fn textured_sample(&self, point: DVec2, place: DVec2) -> PixelSample {
+        let mut sample = self.bare_sample(point, place);
+        let PixelSample { sight, panel, hit, slope, .. } = &sample;
+        let footprint = Footprint::of(&self.camera, sight, *hit, *slope);
+        let groove = self.groove(&self.panels[*panel], *hit);
+        sample.seen = self.seen(&footprint);
+        sample.site = TextureSite { groove, footprint };
+        sample
+    }
+
+    /// The sample at an image point, if its ray meets the mirror or, beyond its rim, where its surface goes on; and whether that is the
+    /// mirror.
+    pub(super) fn sample_at(&self, point: DVec2, is_bare: bool) -> Option<(PixelSample, bool)> {
+        let on_chart = self.camera.picture.chart_point(point);
+        let place = self.mirror.intersect_camera_ray(&self.camera.chart, on_chart)?;
+        let is_mirror = self.mirror.full_outline().aims(place);
+        let sample = if is_bare {
+            self.bare_sample(point, place)
+        } else {
+            self.textured_sample(point, place)
+        };
+        Some((sample, is_mirror))
+    }
+
     fn sample(
         &self,
         fitters: &[Fitter],
@@ -239,23 +282,14 @@ impl OpticalSystem {
         place: DVec2,
         reach: f64,
     ) -> Option<PixelSample> {
-        let panel = self.panel(place);
-        let at = self.mirror.at(place);
-        let hit = self.mirror.position(place, &at);
-        let slope = self.mirror.slope(place, &at).to_array();
-        let of = |half: f64| ExpansionSquare { centre: [hit.x, hit.y], half };
+        let mut sample = self.textured_sample(point, place);
+        let PixelSample { panel, hit, slope, .. } = sample;
+        let of = |half: f64| ExpansionSquare { half, ..sample.square };
         let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {
             let base = self.fitted(fitters, panel, &square, (hit, slope))?;
             Some((square, Some(base)))
         });
-        let (square, base) = fitted.unwrap_or((of(reach), None));
-        let content = DVec2::ZERO;
-        let sight = LineOfSight::new(&self.camera, point);
-        let footprint = Footprint::of(&self.camera, &sight, hit, slope);
-        let groove = self.groove(&self.panels[panel], hit);
-        let (site, seen) = (TextureSite { groove, footprint }, self.seen(&footprint));
-        let mut sample =
-            PixelSample { point, sight, content, panel, hit, slope, square, site, base, seen };
+        (sample.square, sample.base) = fitted.unwrap_or((of(reach), None));
         let perfect = PerturbedState::<f64>::perfect(self.fields.len());
         let pose = PartPose::new(&perfect.misalignment);
         let mut work = WorkCounts::default();

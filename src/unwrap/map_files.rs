@@ -5,6 +5,7 @@
 //! nothing is seen.
 
 use super::RemapTable;
+use crate::raster::npy;
 use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2, WritableImage,
 };
@@ -27,20 +28,7 @@ impl RemapTable {
     #[must_use]
     pub fn npy(&self) -> Vec<u8> {
         let [width, height] = self.size;
-        let mut header = format!(
-            "{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}, 2), }}"
-        );
-        // Magic, version, length, header and a line's end fill up a multiple of 64 bytes.
-        const BEFORE: usize = 10;
-        let length = (BEFORE + header.len() + 1).next_multiple_of(64) - BEFORE;
-        header.extend(std::iter::repeat_n(' ', length - 1 - header.len()));
-        header.push('\n');
-        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-        bytes.extend((length as u16).to_le_bytes());
-        bytes.extend(header.as_bytes());
-        let entries = (0..self.places.len()).flat_map(|k| self.entry(k));
-        bytes.extend(entries.flat_map(f32::to_le_bytes));
-        bytes
+        npy(&[height, width, 2], (0..self.places.len()).flat_map(|k| self.entry(k)))
     }
 
     /// An OpenEXR picture with two channels in single precision, losslessly compressed: R is the column, G the row.

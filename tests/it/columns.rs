@@ -70,6 +70,8 @@ fn every_command_fits_a_terminal() {
         "tolerance small.toml --trials 30 -v",
         "tolerance small.toml --trials 30 --replay 2",
         "machining small.toml --ball-mm 1 -v",
+        "program small.toml -v",
+        "table small.toml --floor-mm -40 -v",
         "drawing small.toml -v",
         "inspect small.toml -v",
         "verify out/small/inspection.csv --profile small.toml --align -v",

@@ -1,5 +1,5 @@
 //! The fingerprint of what the program makes: the hash of every file of the shipped builds, of a
-//! tolerance run, a drawing, an inspection's plan, a machining run, programs and a render.
+//! tolerance run, a drawing, an inspection's plan, a machining run, programs, look-up tables and a render.
 //!
 //! A refactoring leaves it as it is. A change of behaviour renews it knowingly:
 //! `MORION_RENEW=1 cargo test --test it fingerprint`, and the commit says which figure changed and why.
@@ -17,12 +17,13 @@ const HEAD: &str = "\
 ";
 
 /// The runs beside the builds: the name of their folder, and their arguments.
-const RUNS: [(&str, &[&str]); 6] = [
+const RUNS: [(&str, &[&str]); 7] = [
     ("drawing", &["conquistador"]),
     ("inspect", &["hyperbolic"]),
     ("machining", &["conquistador", "--ball-mm", "3", "--stepover-mm", "0.3"]),
     ("program", &["small.toml"]),
     ("render", &["panoramic", "--scene", "chessboard"]),
+    ("table", &["small.toml", "--floor-mm", "-40"]),
     ("tolerance", &["conquistador", "--trials", "200", "--seed", "1"]),
 ];
 

@@ -28,6 +28,7 @@ mod glb;
 mod holes;
 mod inspection;
 mod least_error;
+mod lookup;
 mod machining;
 mod manners;
 mod maps;

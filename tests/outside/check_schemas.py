@@ -168,6 +168,8 @@ def every_command(to, profile, name, run):
         run("unwrap", "unwrap", picture, "--profile", profile, *options)
     for options in [["--pupil-mm", "1"], ["--na", "0.01"], []]:  # of each camera one
         to.run("blur", "blur", profile, *options, files=[("blur", f"{out}/blur.json")])
+    for options in [[], ["--floor-mm", "-60"]]:
+        run("table", "table", profile, *options, "--every", "8", files=[("table", f"{out}/table/table.json")])
     written = [("tolerance", f"{out}/tolerance.json"), ("tolerance-timings", f"{out}/tolerance-timings.json")]
     run("tolerance", "tolerance", profile, "--trials", "30", files=written)
     if run("part", "tolerance", profile, "--trials", "5", "--part") == 0:

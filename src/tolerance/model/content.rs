@@ -50,7 +50,7 @@ impl OpticalSystem {
         [0, 1, 2].map(|k| [x.slope[k], y.slope[k]])
     }
 
-    /// Image point, mm, of the content, with the form errors `form`: height and slopes over (X, Y).
+    /// Image point, mm, of the content, with the form errors `form`.
     fn trace_content<S: Scalar>(
         &self,
         sample: &PixelSample,
@@ -59,6 +59,36 @@ impl OpticalSystem {
         work: &mut WorkCounts,
         form: impl Fn([S; 2]) -> [S; 3],
     ) -> [S; 2] {
+        match self.trace_ray(sample, pose, state, work, form) {
+            Some((at, leaving)) => self.image_of_reflected(sample.point, at, leaving),
+            None => [S::constant(f64::NAN); 2],
+        }
+    }
+
+    /// Place on the made part, mm, and direction from there, of any length, of the ray that the pixel of `sample` sees, both in the world;
+    /// none where the ray is lost.
+    pub(crate) fn leaving_ray<S: Scalar>(
+        &self,
+        sample: &PixelSample,
+        pose: &PartPose<S>,
+        state: &PerturbedState<S>,
+        work: &mut WorkCounts,
+    ) -> Option<([S; 3], [S; 3])> {
+        work.count(WorkKind::Rays, [1, 0]);
+        self.trace_ray(sample, pose, state, work, |at| {
+            self.form_errors(&state.form, &sample.site.footprint, at)
+        })
+    }
+
+    /// The same with the form errors `form`: height and slopes over (X, Y).
+    fn trace_ray<S: Scalar>(
+        &self,
+        sample: &PixelSample,
+        pose: &PartPose<S>,
+        state: &PerturbedState<S>,
+        work: &mut WorkCounts,
+        form: impl Fn([S; 2]) -> [S; 3],
+    ) -> Option<([S; 3], [S; 3])> {
         let surface = |[x, y, z]: [S; 3]| {
             let at = [x, y];
             let designed = match &sample.base {
@@ -75,16 +105,13 @@ impl OpticalSystem {
         };
         // Most of the light goes where flat tops send it: there is no picture.
         if state.terraced > 0.5 {
-            return [S::constant(f64::NAN); 2];
+            return None;
         }
         let (from, along) = self.ray_in_part(sample, &state.misalignment, pose);
-        let Some((at, slope)) = meet(sample, self.farthest, (from, along), surface) else {
-            return [S::constant(f64::NAN); 2];
-        };
+        let (at, slope) = meet(sample, self.farthest, (from, along), surface)?;
         // Of terraces the flat tops reflect.
         let slope = slope.map(|p| p * (1.0 - state.terraced));
-        let (at, leaving) = reflected(pose, at, along, slope);
-        self.image_of_reflected(sample.point, at, leaving)
+        Some(reflected(pose, at, along, slope))
     }
 
     /// The camera's ray through the pixel in the frame of the part, before that is grown.

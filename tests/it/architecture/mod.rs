@@ -43,6 +43,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("pencil", &["mirror", "optics", "geom", "num", "parallel"]),
     ("render", &["design", "mirror", "trace", "optics", "geom", "raster", "num", "parallel"]),
     ("unwrap", &["mirror", "optics", "raster", "geom", "num", "parallel"]),
+    ("lookup", &["raster", "geom", "num", "parallel"]),
     ("results", ALL_ABOVE),
     ("drawing", &["results", "render", "trace", "profile", "solid", "sheet", "geom", "num"]),
     ("part", ALL_ABOVE),

@@ -266,6 +266,9 @@ fn the_page_of_studies_has_every_key() {
     let blur =
         ["blur all.toml --na 0.01", "blur round.toml --pupil-mm 1"].map(|it| runs.printed(it));
     hold(STUDIES, &["## `blur.json`"], &blur);
+    std::fs::write(runs.path("pose.json"), r#"{"profile": {"sha256": "another"}}"#).unwrap();
+    let tables = ["table all.toml", "table round.toml --floor-mm 100 --pose pose.json"];
+    hold(STUDIES, &["## `table.json`"], &tables.map(|command| runs.printed(command)));
     let cut = [
         "machining all.toml --ball-mm 1 --stepover-mm 0.3",
         "machining obstructed.toml --ball-mm 1 --stepover-mm 0.3",

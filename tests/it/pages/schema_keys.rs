@@ -28,6 +28,7 @@ const TABLES: &[(&[&str], &str, &[&str])] = &[
     (&["unwrap"], REPORT, &["### `morion unwrap`"]),
     (&["frame"], STUDIES, &["## `frame.json`"]),
     (&["blur"], STUDIES, &["## `blur.json`"]),
+    (&["table"], STUDIES, &["## `table.json`"]),
     (&["machining"], STUDIES, &["## `machining.json`"]),
     (&["program"], STUDIES, &["## `program.json`"]),
     (&["drawing"], STUDIES, &["## `drawing.json`"]),

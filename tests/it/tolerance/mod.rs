@@ -4,6 +4,7 @@ mod footprint;
 mod physics;
 mod program;
 mod replay;
+mod sight_lines;
 mod statistics;
 mod work;
 
