@@ -25,6 +25,9 @@ struct PoseProfile {
     sha256: String,
 }
 
+/// Whether what an error acts on belongs to a table.
+type Acts = fn(ActsOn) -> bool;
+
 /// Errors of mounting, camera and size.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct KnownErrors {
@@ -45,7 +48,7 @@ impl KnownErrors {
         let text: PoseText =
             serde_json::from_slice(&bytes).map_err(|error| fault(error.to_string()))?;
         let PoseText { profile, part, camera, in_the_files } = text;
-        let tables: [(&str, fn(ActsOn) -> bool, _); 3] = [
+        let tables: [(&str, Acts, _); 3] = [
             ("part", ActsOn::is_mounting, part),
             ("camera", ActsOn::is_camera, camera),
             ("in_the_files", ActsOn::is_size, in_the_files),

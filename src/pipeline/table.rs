@@ -178,7 +178,7 @@ impl TableOptions<'_> {
         table: &TracedTable,
     ) -> (TableReport, TableFiles) {
         let plane = self.floor().map(|(plane, _)| plane);
-        let rows = NodeTable::new(table.grid, &table.shown(), plane);
+        let rows = NodeTable::new(table.grid, table.shown(), plane);
         let pole = table.pole();
         let project = |ray: &Ray| Some(pole.project(ray));
         let (directions, errors) = table.field(project);
