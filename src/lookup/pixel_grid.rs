@@ -1,5 +1,8 @@
 //! The nodes of a table over a frame.
 
+/// Corners of pixels of a frame from which on some are left out, where nodes are farther apart than pixels.
+const MANY: f64 = 1e6;
+
 /// Nodes in the middles of the blocks of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PixelGrid {
@@ -36,6 +39,19 @@ impl PixelGrid {
         [k % columns, k / columns].map(|index| (index as f64 + 0.5) * self.every as f64)
     }
 
+    /// Places at which a table is held against what is known: corners of pixels, all of a frame that is not large, and the middle of each
+    /// cell at least.
+    #[must_use]
+    pub fn places_between(&self) -> Vec<[f64; 2]> {
+        let [width, height] = self.frame;
+        let apart = ((width * height) as f64 / MANY).sqrt().ceil() as usize;
+        // (Middles of cells are at multiples of what nodes are apart.)
+        let step = (1..=self.every).rev().find(|k| self.every % k == 0 && *k <= apart).unwrap_or(1);
+        let across = move |y: usize| (step..width).step_by(step).map(move |x| [x, y]);
+        let all = (step..height).step_by(step).flat_map(across);
+        all.map(|corner| corner.map(|x| x as f64)).collect()
+    }
+
     /// The cell that is read at a place, and where in it that is: from 0 to 1 in the cell, beyond that beside the outermost nodes.
     #[must_use]
     pub fn cell(&self, place: [f64; 2]) -> ([usize; 2], [f64; 2]) {
@@ -53,5 +69,31 @@ impl PixelGrid {
         let [columns, _] = self.nodes();
         let first = row * columns + column;
         [first, first + 1, first + columns, first + columns + 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames with more corners of pixels than are taken, too: a cell without a place would tell nothing.
+    #[test]
+    fn every_cell_has_a_place_in_its_middle() {
+        for (frame, every) in [
+            ([1280, 960], 1),
+            ([2028, 1520], 2),
+            ([2028, 1520], 3),
+            ([4056, 3040], 4),
+            ([33, 20], 5),
+        ] {
+            let grid = PixelGrid { frame, every };
+            let [columns, rows] = grid.cells();
+            let mut has_middle = vec![false; columns * rows];
+            for place in grid.places_between() {
+                let ([column, row], share) = grid.cell(place);
+                has_middle[row * columns + column] |= share == [0.5; 2];
+            }
+            assert!(has_middle.into_iter().all(|has| has), "{frame:?} {every}");
+        }
     }
 }

@@ -8,8 +8,6 @@ use crate::lookup::{
 use crate::optics::Camera;
 use crate::tolerance::{Engine, PerturbedSystem};
 
-/// Places at which a table is held against the rays themselves, at most, about.
-const MOST_KNOWN: f64 = 1e6;
 /// Steps to a place of a map: from a quarter of a pixel to some thousandths, where the picture changes most over a cell.
 const STEPS: usize = 3;
 /// How far the rays are that a node's is compared with, px.
@@ -77,18 +75,13 @@ impl MountedSystem<'_> {
         TracedTable { grid, shown, between: self.between(grid) }
     }
 
-    /// Corners of pixels that show the mirror, with their rays: all of a frame that is not large.
+    /// Places between the nodes that show the mirror, with their rays.
     fn between(&self, grid: PixelGrid) -> Vec<([f64; 2], Ray)> {
-        let [width, height] = grid.frame;
-        let step = ((width * height) as f64 / MOST_KNOWN).sqrt().ceil() as usize;
-        let rows = (1..height).step_by(step);
-        let corner = |y: usize| (1..width).step_by(step).map(move |x| [x as f64, y as f64]);
-        let corners: Vec<[f64; 2]> = rows.flat_map(corner).collect();
-        let places: Vec<DVec2> = corners.iter().map(|&corner| corner.into()).collect();
+        let between = grid.places_between();
+        let places: Vec<DVec2> = between.iter().map(|&place| place.into()).collect();
         let (rays, on_mirror) = self.rays(&places);
-        let all = corners.into_iter().zip(rays).zip(on_mirror);
-        all.filter_map(|((corner, ray), on_mirror)| Some((corner, ray.filter(|_| on_mirror)?)))
-            .collect()
+        let all = between.into_iter().zip(rays).zip(on_mirror);
+        all.filter_map(|((at, ray), on_mirror)| Some((at, ray.filter(|_| on_mirror)?))).collect()
     }
 
     /// The places of the frame that show the pixels of a picture, of which `field` holds what `of` says of rays.

@@ -135,7 +135,7 @@ class Strip:
         self.middle = 0.5 * (first + last)
         self.rise, self.fall = RISES[law]
         low, high = self.rise(np.radians(asked["elevation_deg"]))
-        height = frame / panels if layout["fill_frame"] else (high - low) * self.scale
+        height = frame / panels if layout.get("fill_frame") else (high - low) * self.scale
         ridge = layout.get("ridge")
         below = {"crest": 0.0, "valley": height, None: 0.5 * height}[ridge]
         self.rows = (-below, height - below)

@@ -160,6 +160,11 @@ def by_ffmpeg(table, morion, out):
         seen = places[..., 0] >= 0
         same = np.abs(theirs - ours).max(axis=2)[seen] <= 1
         figures.append(f"{name} {100 * same.mean():.3f} % of {seen.sum()}")
+        # Pixels that are shown have neighbours that are: no holes.
+        inside = seen[1:-1, 1:-1]
+        around = seen[:-2, 1:-1].astype(int) + seen[2:, 1:-1] + seen[1:-1, :-2] + seen[1:-1, 2:]
+        if (~inside & (around == 4)).mean() > 1e-4:
+            wrong.append(f"{name}: {100 * (~inside & (around == 4)).mean():.2f} % of the pixels are holes")
         if same.mean() < SAME or seen.sum() < 10_000:
             wrong.append(f"{name}: {100 * same.mean():.3f} % of {seen.sum()} pixels within one level")
         shifted = np.abs(np.roll(theirs, 3, axis=1) - ours).max(axis=2)[seen] <= 1

@@ -1,0 +1,39 @@
+"""Programs of mills: the ends of their moves, by LinuxCNC's interpreter and by their words alone."""
+
+import re
+import subprocess
+
+NUMBER = r"(-?\d+\.\d+)"
+CANON = re.compile(rf"STRAIGHT_(FEED|TRAVERSE)\({NUMBER}, {NUMBER}, {NUMBER}")
+WORD = re.compile(r"([GXYZ])(-?\d*\.?\d+|-?\d+\.)")
+
+
+def interpreted(path):
+    """Ends of the moves by LinuxCNC's interpreter, mm: whether each is a feed move, and its place; and what it said last."""
+    said = subprocess.run(["rs274", "-g", str(path)], input="", capture_output=True, text=True, timeout=600)
+    ends = [(found[1] == "FEED", tuple(float(found[k]) for k in (2, 3, 4))) for found in CANON.finditer(said.stdout)]
+    return ends, said.stdout[-300:] + said.stderr[-300:]
+
+
+def written(path):
+    """The same by the words of the program alone; None for what it has not told yet."""
+    place, mode, ends = [None] * 3, None, []
+    for line in path.read_text().splitlines():
+        if line.startswith("("):
+            continue
+        words = WORD.findall(line)
+        for letter, value in words:
+            if letter == "G" and float(value) in (0, 1):
+                mode = int(value)
+            elif letter in "XYZ":
+                place["XYZ".index(letter)] = float(value)
+        if any(letter in "XYZ" for letter, _ in words):
+            ends.append((mode == 1, tuple(place)))
+    return ends
+
+
+def moves(path):
+    """Both ends of each move between told places, and whether it is a feed move."""
+    ends = written(path)
+    pairs = [(a[1], b[1], b[0]) for a, b in zip(ends, ends[1:]) if None not in a[1]]
+    return [(a, b) for a, b, _ in pairs], [feed for *_, feed in pairs]
