@@ -46,7 +46,10 @@ impl PixelGrid {
         let [width, height] = self.frame;
         let apart = ((width * height) as f64 / MANY).sqrt().ceil() as usize;
         // (Middles of cells are at multiples of what nodes are apart.)
-        let step = (1..=self.every).rev().find(|k| self.every % k == 0 && *k <= apart).unwrap_or(1);
+        let step = (1..=self.every)
+            .rev()
+            .find(|k| self.every.is_multiple_of(*k) && *k <= apart)
+            .unwrap_or(1);
         let across = move |y: usize| (step..width).step_by(step).map(move |x| [x, y]);
         let all = (step..height).step_by(step).flat_map(across);
         all.map(|corner| corner.map(|x| x as f64)).collect()
