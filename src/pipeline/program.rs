@@ -9,7 +9,7 @@ use crate::machining::{BallRaster, SurfaceAnalysis};
 use crate::milling::{Header, MillingError, MillingTask, Operation, StockBlock, program_text};
 use crate::num::rounding::floor_four_digits;
 use crate::profile::{CutterLengths, FinishingSpec, Profile, ProgramSpec};
-use crate::program::{MachineLimits, ToolMove, ToolPath};
+use crate::program::{MachineLimits, MachineTime, ToolMove, ToolPath};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::report::Answer;
 use crate::results::{
@@ -67,6 +67,7 @@ impl Command for ProgramOptions {
             limits: limits(run.profile),
             read: Vec::new(),
             maps: Vec::new(),
+            speeds_mm_min: Vec::new(),
         };
         let mut report = begun(run.profile, &survey);
         for operation in operations {
@@ -238,6 +239,8 @@ struct Shop {
     read: Vec<Option<ToolPath>>,
     /// What is left after each, by its name.
     maps: Vec<(String, FalseColourMap)>,
+    /// Speeds in equal parts of the time of each that can be read.
+    speeds_mm_min: Vec<Vec<f64>>,
 }
 
 impl Shop {
@@ -265,7 +268,9 @@ impl Shop {
         let faults = faults.into_iter().map(Reason::from);
         report.reasons.extend(faults.map(|fault| fault.of_file(&file)));
         let [cutting_mm, rapid_mm] = path.lengths_mm();
-        let machine_min = self.limits.minutes(&path.moves);
+        let time = self.limits.time(&path.moves);
+        let machine_min = time.minutes();
+        let MachineTime { at_feed_min, changing_min, rapid_min, speeds_mm_min } = time;
         report.machine_min += machine_min;
         report.operations.push(OperationFacts {
             operation: kind,
@@ -280,6 +285,9 @@ impl Shop {
             cutting_mm,
             rapid_mm,
             machine_min,
+            at_feed_min,
+            changing_min,
+            rapid_min,
             left,
             flute,
             stickout,
@@ -290,6 +298,7 @@ impl Shop {
             let map = ProgramReport::left_map(&left_mm, (size, pitch_mm), kind.name());
             self.maps.push((kind.name().to_owned(), map));
         }
+        self.speeds_mm_min.push(speeds_mm_min);
         self.read.push(Some(path));
     }
 }
@@ -385,7 +394,7 @@ fn publish(
     report: &ProgramReport,
 ) -> Result<(), Error> {
     let page = report
-        .html(&shop.maps, errors)
+        .html(&shop.maps, errors, &shop.speeds_mm_min)
         .map_err(|error: EncodingError| Error::Picture(error.to_string()))?;
     run.publish(Stage::Report, |files, _| {
         files.add_bytes("program.html", page.as_bytes())?;

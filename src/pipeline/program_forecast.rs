@@ -33,7 +33,7 @@ impl ProgramForecast {
         let survey = survey(profile, design).map_err(refused)?;
         let operations = task(profile, design, &survey).operations().map_err(refused)?;
         let machine = limits(profile);
-        let minutes = |operation| machine.minutes(&tool_moves(operation));
+        let minutes = |operation| machine.time(&tool_moves(operation)).minutes();
         let found = &survey.found;
         Ok(Self {
             stepover_mm: found.stepover_mm,

@@ -17,24 +17,59 @@ pub struct MachineLimits {
     pub acceleration_mm_s2: f64,
 }
 
+/// Where the time of moves goes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MachineTime {
+    /// At the feeds, minutes.
+    pub at_feed_min: f64,
+    /// Speeding up, slowing down and in corners of cutting moves, minutes.
+    pub changing_min: f64,
+    /// Rapid moves with their starts and stops, minutes.
+    pub rapid_min: f64,
+    /// Mean speed in equal parts of the time, mm/min; none of a program without a move.
+    pub speeds_mm_min: Vec<f64>,
+}
+
+impl MachineTime {
+    /// All of it, minutes.
+    #[must_use]
+    pub fn minutes(&self) -> f64 {
+        self.at_feed_min + self.changing_min + self.rapid_min
+    }
+}
+
+/// Parts of the time of which speeds are told: each is seen in a plot.
+const PARTS: usize = 220;
+
 /// How far the arc that gives a corner its speed is off the corner, mm: what grbl sets as it comes.
 const CORNER_MM: f64 = 0.01;
 
 impl MachineLimits {
-    /// Time for `moves` one after the other, minutes.
+    /// Time for `moves` one after the other.
     #[must_use]
-    pub fn minutes(&self, moves: &[ToolMove]) -> f64 {
+    pub fn time(&self, moves: &[ToolMove]) -> MachineTime {
         let moves: Vec<&ToolMove> = moves.iter().filter(|step| step.from != step.to).collect();
         let speeds = self.corner_speeds(&moves);
-        let time = |(step, ends): (&&ToolMove, &[f64])| {
-            seconds(
-                step.from.distance(step.to),
-                self.speed(step),
-                [ends[0], ends[1]],
-                self.acceleration_mm_s2,
-            )
-        };
-        moves.iter().zip(speeds.windows(2)).map(time).sum::<f64>() / 60.0
+        let (mut seconds, mut way) = (0.0, 0.0);
+        let [mut at_feed, mut changing, mut rapid] = [0.0; 3];
+        let mut reached = vec![[0.0; 2]];
+        for (step, ends) in moves.iter().zip(speeds.windows(2)) {
+            let length = step.from.distance(step.to);
+            let ends = [ends[0], ends[1]];
+            let [even, ramps] = phases(length, self.speed(step), ends, self.acceleration_mm_s2);
+            match step.feed {
+                Some(_) => {
+                    at_feed += even;
+                    changing += ramps;
+                }
+                None => rapid += even + ramps,
+            }
+            seconds += even + ramps;
+            way += length;
+            reached.push([seconds, way]);
+        }
+        let [at_feed_min, changing_min, rapid_min] = [at_feed, changing, rapid].map(|s| s / 60.0);
+        MachineTime { at_feed_min, changing_min, rapid_min, speeds_mm_min: mean_speeds(&reached) }
     }
 
     /// Speed of a move where it is fastest, mm/s.
@@ -69,14 +104,34 @@ impl MachineLimits {
     }
 }
 
-/// Time of a move of a length, mm, between two speeds and at most at a third, mm/s.
-fn seconds(length: f64, speed: f64, [from, to]: [f64; 2], acceleration: f64) -> f64 {
+/// Seconds of a move of a length, mm, between two speeds and at most at a third, mm/s: at an even speed, and speeding up and
+/// slowing down.
+fn phases(length: f64, speed: f64, [from, to]: [f64; 2], acceleration: f64) -> [f64; 2] {
     // The speed at which it would turn from faster to slower, if it may be so fast.
     let turn = (acceleration * length + 0.5 * (from * from + to * to)).sqrt();
     let most = turn.min(speed).max(from).max(to);
     let slopes = 2.0 * most * most - from * from - to * to;
     let even = (length - slopes / (2.0 * acceleration)).max(0.0);
-    (2.0 * most - from - to) / acceleration + if most > 0.0 { even / most } else { 0.0 }
+    [if most > 0.0 { even / most } else { 0.0 }, (2.0 * most - from - to) / acceleration]
+}
+
+/// Mean speeds, mm/min, in equal parts of the time of moves that reach these seconds and mm of the way, the first none of both.
+fn mean_speeds(reached: &[[f64; 2]]) -> Vec<f64> {
+    let Some(&[whole, _]) = reached.last().filter(|[whole, _]| *whole > 0.0) else {
+        return Vec::new();
+    };
+    let part = whole / PARTS as f64;
+    let mut k = 0;
+    let mut way_after = |seconds: f64| {
+        while k + 2 < reached.len() && reached[k + 1][0] < seconds {
+            k += 1;
+        }
+        let [[from, before], [to, after]] = [reached[k], reached[k + 1]];
+        let share = if to > from { ((seconds - from) / (to - from)).min(1.0) } else { 1.0 };
+        before + share * (after - before)
+    };
+    let ways: Vec<f64> = (0..=PARTS).map(|k| way_after(part * k as f64)).collect();
+    ways.windows(2).map(|pair| 60.0 * (pair[1] - pair[0]) / part).collect()
 }
 
 #[cfg(test)]
@@ -85,6 +140,10 @@ mod tests {
     use crate::geom::DVec3;
 
     const LIMITS: MachineLimits = MachineLimits { rapid_mm_min: 6000.0, acceleration_mm_s2: 500.0 };
+
+    fn minutes(moves: &[ToolMove]) -> f64 {
+        LIMITS.time(moves).minutes()
+    }
 
     fn path(places: &[DVec3], feed: f64) -> Vec<ToolMove> {
         places
@@ -97,12 +156,32 @@ mod tests {
     fn a_single_move_is_a_trapezoid() {
         // 10 mm/s after 0.02 s and 0.1 mm, and the same at its end.
         let long = path(&[DVec3::ZERO, DVec3::X * 10.0], 600.0);
-        assert!((60.0 * LIMITS.minutes(&long) - (0.04 + 9.8 / 10.0)).abs() < 1e-12);
+        assert!((60.0 * minutes(&long) - (0.04 + 9.8 / 10.0)).abs() < 1e-12);
         // Never as fast as that: 2 sqrt(l / a).
         let short = path(&[DVec3::ZERO, DVec3::X * 0.1], 600.0);
-        assert!((60.0 * LIMITS.minutes(&short) - 2.0 * f64::sqrt(0.1 / 500.0)).abs() < 1e-12);
+        assert!((60.0 * minutes(&short) - 2.0 * f64::sqrt(0.1 / 500.0)).abs() < 1e-12);
         let there_and_back = path(&[DVec3::ZERO, DVec3::X * 10.0, DVec3::ZERO], 600.0);
-        assert!((LIMITS.minutes(&there_and_back) - 2.0 * LIMITS.minutes(&long)).abs() < 1e-12);
+        assert!((minutes(&there_and_back) - 2.0 * minutes(&long)).abs() < 1e-12);
+    }
+
+    /// Of a cut of 10 mm at 10 mm/s, which takes 0.02 s and 0.1 mm to speed up and to slow down, and the rapid way back.
+    #[test]
+    fn the_time_is_divided_into_feed_changes_and_rapid_moves() {
+        let mut moves = path(&[DVec3::ZERO, DVec3::X * 10.0, DVec3::ZERO], 600.0);
+        moves[1].feed = None;
+        let found = LIMITS.time(&moves);
+        let seconds =
+            [found.at_feed_min, found.changing_min, found.rapid_min].map(|min| 60.0 * min);
+        // (10 mm are too short for 100 mm/s.)
+        let expected = [0.98, 0.04, 2.0 * f64::sqrt(10.0 / 500.0)];
+        for (found, expected) in seconds.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{seconds:?}");
+        }
+        assert_eq!(found.speeds_mm_min.len(), PARTS);
+        let mean = found.speeds_mm_min.iter().sum::<f64>() / PARTS as f64;
+        assert!((mean - 20.0 / found.minutes()).abs() < 1e-9, "{mean}");
+        assert!((found.speeds_mm_min[PARTS / 2] - 10.0 / (1.02 / 60.0)).abs() < 1e-9);
+        assert_eq!(LIMITS.time(&[]), MachineTime::default());
     }
 
     /// The speed over each place of the path is the least that the feed and every corner before and after it allow; its inverse,
@@ -143,7 +222,7 @@ mod tests {
                 .map(|(mark, speed)| (speed * speed + 2.0 * 500.0 * (at - mark).abs()).sqrt());
             time += step / allowed.fold(25.0, f64::min);
         }
-        let found = 60.0 * LIMITS.minutes(&moves);
+        let found = 60.0 * minutes(&moves);
         assert!((found / time - 1.0).abs() < 2e-3, "{found} {time}");
     }
 }

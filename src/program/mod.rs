@@ -21,7 +21,7 @@ mod swept_ball;
 mod words;
 
 pub use coverage::PathCoverage;
-pub use machine_time::MachineLimits;
+pub use machine_time::{MachineLimits, MachineTime};
 pub use stock_beside::StockBeside;
 pub use stock_map::{HeldCutter, MovedInto, StockMap, StockMoves};
 pub use swept_ball::{SweptBall, SweptPlace};

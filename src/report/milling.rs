@@ -3,6 +3,7 @@
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::fact_rows::{errors_sentence, ray_counts};
 use super::maps::left_map;
+use super::milling_plots::{speeds_figure, times_figure};
 use super::page::{map_figure, page_of};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
@@ -10,7 +11,8 @@ use crate::results::{
 };
 
 impl ProgramReport {
-    /// `program.html`, with the maps of what is left and of pixel errors.
+    /// `program.html`, with the maps of what is left and of pixel errors, and the speeds in equal parts of the time of each
+    /// operation.
     ///
     /// # Errors
     /// What the encoder of pictures reports.
@@ -18,6 +20,7 @@ impl ProgramReport {
         &self,
         left: &[(String, FalseColourMap)],
         errors: Option<&FalseColourMap>,
+        speeds_mm_min: &[Vec<f64>],
     ) -> Result<String, EncodingError> {
         let mut figures = Vec::new();
         for (operation, map) in left {
@@ -33,6 +36,9 @@ impl ProgramReport {
                            unpolished.";
             figures.push(map_figure("Pixel error as cut, px", map, caption.into())?);
         }
+        figures.extend(times_figure(&self.operations));
+        let speeds = self.operations.iter().zip(speeds_mm_min);
+        figures.extend(speeds.map(|(operation, speeds)| speeds_figure(operation, speeds)));
         Ok(page_of(self, (None, "programs"), figures, &self.files))
     }
 

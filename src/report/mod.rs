@@ -20,6 +20,7 @@ mod maps;
 mod meanings;
 mod measured;
 mod milling;
+mod milling_plots;
 mod page;
 mod plot;
 mod program;

@@ -85,6 +85,12 @@ pub struct OperationFacts {
     pub rapid_mm: f64,
     /// Its time on the machine, with starts, stops and corners, minutes.
     pub machine_min: f64,
+    /// Of that at the feeds, minutes.
+    pub at_feed_min: f64,
+    /// Of that speeding up, slowing down and in corners of cutting moves, minutes.
+    pub changing_min: f64,
+    /// Of that in rapid moves with their starts and stops, minutes.
+    pub rapid_min: f64,
     /// What is left on the mirror after it, over a grid of places; none where no place of it is over the mirror.
     pub left: Option<LeftFacts>,
     /// Length of the cutter's teeth; none where nothing is in the way of its shank.

@@ -3,15 +3,16 @@
 
 use crate::geom::{DVec2, DVec3, Outline, Rect};
 use crate::mirror::Mirror;
+use crate::num::Dual;
 
 /// Sides of the edge.
 const SIDES: usize = 4;
 /// Samples of a side, from which the nearest place is searched for.
 const SAMPLES: usize = 128;
-/// Newton's steps to the nearest place: four are enough from a sample.
+/// Most of Newton's steps to the nearest place.
 const STEPS: usize = 8;
-/// Step of differences along a side, in sides.
-const STEP: f64 = 1e-6;
+/// A last step of so small a share of a side leaves nothing but rounding.
+const CLOSE: f64 = 1e-12;
 
 /// The edge of a mirror and samples of it.
 pub(super) struct PlanEdge<'a> {
@@ -30,7 +31,7 @@ impl<'a> PlanEdge<'a> {
         }
         let mut edge = Self { mirror, rect, samples: Vec::new() };
         let places = (0..SIDES * SAMPLES).map(|k| (k / SAMPLES, share(k % SAMPLES)));
-        edge.samples = places.map(|(side, at)| edge.point(side, at).truncate()).collect();
+        edge.samples = places.map(|(side, at)| edge.point(side, at).0.truncate()).collect();
         Some(edge)
     }
 
@@ -59,27 +60,33 @@ impl<'a> PlanEdge<'a> {
 
     /// The place of a side that is nearest, from a place near to it.
     fn refined(&self, side: usize, mut at: f64, across: DVec2) -> Found {
-        let plan = |at: f64| self.point(side, at).truncate();
-        let way = |at: f64| {
-            let [from, to] = [(at - STEP).max(0.0), (at + STEP).min(1.0)];
-            (plan(to) - plan(from)) / (to - from)
-        };
+        let (mut point, mut way) = self.point(side, at);
         for _ in 0..STEPS {
-            let along = way(at);
-            let next = at + (across - plan(at)).dot(along) / along.length_squared();
-            at = next.clamp(0.0, 1.0);
+            let step = (across - point.truncate()).dot(way) / way.length_squared();
+            let next = (at + step).clamp(0.0, 1.0);
+            let is_close = (next - at).abs() <= CLOSE;
+            at = next;
+            (point, way) = self.point(side, at);
+            if is_close {
+                break;
+            }
         }
-        let point = self.point(side, at);
         // The sides go round anticlockwise.
-        Found { point, beyond: (across - point.truncate()).perp_dot(way(at)) }
+        Found { point, beyond: (across - point.truncate()).perp_dot(way) }
     }
 
-    /// The point of the edge at a share of a side.
-    fn point(&self, side: usize, at: f64) -> DVec3 {
+    /// The point of the edge at a share of a side, and its derivative in the plan by that share.
+    fn point(&self, side: usize, at: f64) -> (DVec3, DVec2) {
         let Rect { min, max } = self.rect;
         let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-        let q = corners[side].lerp(corners[(side + 1) % SIDES], at);
-        self.mirror.position(q, &self.mirror.row(q.y).at(q.x))
+        let (from, to) = (corners[side], corners[(side + 1) % SIDES]);
+        let (q, by_share) = (from.lerp(to, at), to - from);
+        let surface = self.mirror.row(q.y).at(q.x);
+        let f = Dual { value: surface.f, slope: [surface.slope.dot(by_share)] };
+        let q = [0, 1].map(|k| Dual { value: q[k], slope: [by_share[k]] });
+        let point = self.mirror.chart.position(q, f);
+        let [x, y, _] = point.map(|coordinate| coordinate.slope[0]);
+        (DVec3::from_array(point.map(|coordinate| coordinate.value)), DVec2::new(x, y))
     }
 }
 
@@ -119,7 +126,7 @@ mod tests {
         let edge = PlanEdge::new(&mirror).unwrap();
         const MANY: usize = 40_000;
         let points: Vec<DVec2> = (0..SIDES * MANY)
-            .map(|k| edge.point(k / MANY, (k % MANY) as f64 / MANY as f64).truncate())
+            .map(|k| edge.point(k / MANY, (k % MANY) as f64 / MANY as f64).0.truncate())
             .collect();
         let mut draws = Draws::new(7);
         for _ in 0..200 {
@@ -139,7 +146,7 @@ mod tests {
         }
         // On the edge itself, corners too.
         for k in 0..SIDES * 64 {
-            let place = edge.point(k / 64, (k % 64) as f64 / 64.0);
+            let (place, _) = edge.point(k / 64, (k % 64) as f64 / 64.0);
             let (point, beyond) = edge.nearest(place.truncate());
             assert!(point.distance(place) < 1e-9 && beyond.abs() < 1e-9, "{place} {point}");
         }

@@ -83,7 +83,7 @@ fn every_shipped_mirror_uses_its_budget_and_never_more() {
     profiles.par_iter().for_each(|profile| {
         let design = support::designed(&support::shipped(profile.name));
         let mut finer = f64::INFINITY;
-        for triangles in [4_000, 12_000] {
+        for triangles in [times(2_000, 4_000), times(6_000, 12_000)] {
             let face = within(&design, triangles, Precision::Single).unwrap();
             let (what, found) = (&profile.name, closed(&face));
             println!("{what}: {found} of {triangles}, {:?}", face.bound);

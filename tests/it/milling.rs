@@ -8,7 +8,7 @@ use morion::internals::pipeline::{
 };
 use morion::internals::profile::{MillControl, Profile};
 use morion::internals::program::ToolPath;
-use morion::internals::results::{ProgramReport, ReasonKind, Verdict};
+use morion::internals::results::{OperationFacts, ProgramReport, ReasonKind, Verdict};
 
 /// From line to line of finishing, mm.
 const STEPOVER_MM: f64 = 0.3;
@@ -66,6 +66,10 @@ fn programs_leave_what_they_are_to_leave() {
         let study = foreseen.scallops.unwrap().pixel_error_px.unwrap().rms;
         assert!((cut / study - 1.0).abs() < 0.02, "{name}: {cut} px, foreseen {study} px");
         for operation in &report.operations {
+            let OperationFacts { at_feed_min, changing_min, rapid_min, .. } = *operation;
+            let parts = [at_feed_min, changing_min, rapid_min];
+            assert!(parts.iter().all(|min| *min > 0.0), "{name}: {parts:?}");
+            assert!((parts.iter().sum::<f64>() / operation.machine_min - 1.0).abs() < 1e-12);
             let path = ToolPath::read(text(&files, &operation.file).as_bytes()).unwrap();
             assert!(operation.machine_min > path.cutting_min(), "{name}: {operation:?}");
             assert!(path.moves.iter().all(|step| step.to.z >= 0.0));
@@ -88,8 +92,8 @@ fn small(more: &str) -> Profile {
 #[test]
 fn no_line_goes_through_the_mirror_where_it_is_interrupted() {
     let mut profile = shipped("driver");
-    profile.program.finishing.stepover_mm = Some(1.0);
-    profile.program.finishing.polish_um = Some(100.0);
+    profile.program.finishing.stepover_mm = Some(2.0);
+    profile.program.finishing.polish_um = Some(400.0);
     let (report, _) = milled(&profile);
     assert_eq!(cutting_faults(&report), [""; 0]);
 }
