@@ -152,7 +152,8 @@ pub fn render(
     RenderOptions { scene, ..RenderOptions::default() }.publish(profile, out.as_ref(), &Silent)
 }
 
-/// Unwraps a photo taken through the mirror to a panorama, into `out/NAME`.
+/// Unwraps a photo taken through the mirror to a panorama, into `out/NAME`. Perspective views and plans of a floor, and the part as it is
+/// mounted: [`Unwrap`] with [`UnwrapOptions::Remap`].
 ///
 /// ```
 /// # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;

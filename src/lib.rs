@@ -116,8 +116,8 @@ pub use mesh::{Face, MeshError};
 pub use pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Effort, Error, FrameOptions,
     InspectOptions, MachiningOptions, MapFormat, Observer, OutputFile, ProgramOptions,
-    RenderOptions, ReplayOptions, Silent, SourceError, Stage, TableOptions, ToleranceOptions,
-    Unwrap, UnwrapOptions, Verify, VerifyOptions,
+    RenderOptions, ReplayOptions, Rows, Silent, SourceError, Stage, TableOptions, ToleranceOptions,
+    Unwrap, UnwrapOptions, UnwrapPicture, Verify, VerifyOptions, ViewAngles,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};

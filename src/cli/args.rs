@@ -44,7 +44,7 @@ pub(super) enum CommandArg {
     Render(RenderArgs),
     /// Check how the mirror fills the camera's frame; pictures and figures into DIR/NAME/
     Frame(FrameArgs),
-    /// Turn a photo through the mirror into a panorama, DIR/NAME/PHOTO-unwrapped.png
+    /// Turn a photo through the mirror into a panorama, a perspective view or a plan of the floor, into DIR/NAME/
     Unwrap(UnwrapArgs),
     /// Tables of what each pixel looks at, for other programs: directions and a floor, and back; into DIR/NAME/table/
     Table(TableArgs),

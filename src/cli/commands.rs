@@ -5,7 +5,7 @@ use super::picture_args::{FrameArgs, MapFormatArg, RenderArgs, RowsArg, TableArg
 use crate::pipeline::{
     BlurOptions, BuildOptions, Effort, FrameOptions, InspectOptions, MachiningOptions, MapFormat,
     RenderOptions, ReplayOptions, Rows, TableOptions, ToleranceOptions, Unwrap, UnwrapOptions,
-    Verify, VerifyOptions,
+    UnwrapPicture, Verify, VerifyOptions,
 };
 use crate::results::Aperture;
 use std::num::NonZeroUsize;
@@ -56,13 +56,19 @@ impl FrameArgs {
 
 impl UnwrapArgs {
     pub(super) fn command(&self) -> Unwrap<'_> {
-        let remap = UnwrapOptions::Remap {
-            projection: self.projection.map(Into::into),
-            width: self.width.map(NonZeroUsize::get),
-            map: self.map.map(Into::into),
+        let [width, height] = [self.width, self.height].map(|pixels| pixels.map(NonZeroUsize::get));
+        let (range_mm, mm_per_px) = (self.range_mm, self.mm_per_px);
+        let picture = match (self.view, self.ground) {
+            (Some(angles), _) => UnwrapPicture::View { angles, width, height },
+            (_, Some(height_mm)) => UnwrapPicture::Ground { height_mm, range_mm, mm_per_px },
+            _ => {
+                let projection = self.projection.map(Into::into);
+                UnwrapPicture::Panorama { projection, width }
+            }
         };
-        let options = if self.cuts { UnwrapOptions::Cuts } else { remap };
-        Unwrap { photo: &self.photo, options }
+        let (map, pose) = (self.map.map(Into::into), self.pose.as_deref());
+        let remap = UnwrapOptions::Remap { picture, map, pose };
+        Unwrap { photo: &self.photo, options: if self.cuts { UnwrapOptions::Cuts } else { remap } }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Numbers as arguments, each with what it must be.
 
+use crate::pipeline::ViewAngles;
 use std::ops::Range;
 
 /// A number for which `fits` holds; otherwise it says what it must be.
@@ -38,6 +39,20 @@ pub(super) fn pixels(text: &str) -> Result<f64, String> {
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     number(text, "a number from -1e9 to 1e9", |x| x.abs() <= 1e9)
+}
+
+/// Direction and field of a view, degrees.
+pub(super) fn view_angles(text: &str) -> Result<ViewAngles, String> {
+    let angles: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match angles.as_deref() {
+        Some(&[azimuth_deg, elevation_deg, field_deg]) => {
+            Ok(ViewAngles { azimuth_deg, elevation_deg, field_deg })
+        }
+        _ => Err(
+            "it must be three numbers of degrees, azimuth, elevation and field, as in 30,-10,60"
+                .into(),
+        ),
+    }
 }
 
 /// Most trials of a run.

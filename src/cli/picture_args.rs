@@ -1,7 +1,7 @@
 //! Arguments of the commands that make pictures and tables.
 
-use super::number_args::{finite, positive, share};
-use crate::pipeline::TableOptions;
+use super::number_args::{finite, positive, share, view_angles};
+use crate::pipeline::{TableOptions, ViewAngles};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -57,17 +57,49 @@ pub(super) struct UnwrapArgs {
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
     /// Only cut out the panels, turn them upright and lay them side by side
-    #[arg(long, conflicts_with_all = ["map", "projection", "width"])]
+    #[arg(long, conflicts_with_all = ["map", "projection", "width", "view", "ground", "pose"])]
     pub cuts: bool,
+    /// A perspective view in the place of the panorama: azimuth and elevation of its middle and the field across it, degrees; Z of the
+    /// part's frame is upright in it
+    #[arg(
+        long,
+        value_name = "AZ,EL,FOV",
+        value_parser = view_angles,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["projection", "ground"]
+    )]
+    pub view: Option<ViewAngles>,
+    /// A plan of a floor in the place of the panorama, X to the right and Y up: Z of the floor in the part's frame, its distance from the
+    /// plane of the mirror's base, past the camera; negative where it is behind the mirror
+    #[arg(
+        long,
+        value_name = "HEIGHT_MM",
+        value_parser = finite,
+        allow_negative_numbers = true,
+        conflicts_with_all = ["projection", "width"]
+    )]
+    pub ground: Option<f64>,
+    /// Millimetres to a pixel of the plan [default: 500 pixels across]
+    #[arg(long, value_name = "MM", value_parser = positive, requires = "ground")]
+    pub mm_per_px: Option<f64>,
+    /// Farthest place of the plan from the axis [default: five times the floor's distance]
+    #[arg(long, value_name = "MM", value_parser = positive, requires = "ground")]
+    pub range_mm: Option<f64>,
+    /// How the part is mounted, and the camera's errors: a pose.json as `tolerance --replay` writes it
+    #[arg(long, value_name = "FILE")]
+    pub pose: Option<PathBuf>,
     /// Write the map too, for OpenCV's remap: column and row of the photo for each pixel
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub map: Option<MapFormatArg>,
     /// Projection of the panorama [default: the profile's; equirectangular for round mirrors]
     #[arg(long, value_enum, value_name = "LAW")]
     pub projection: Option<RowsArg>,
-    /// Pixels across the panorama [default: the scale of the photo, at the rim of round mirrors]
+    /// Pixels across the panorama or the view [default: the scale of the photo, at the rim of round mirrors, in the mean for a view]
     #[arg(long, value_name = "N")]
     pub width: Option<NonZeroUsize>,
+    /// Pixels down the view [default: three quarters of those across]
+    #[arg(long, value_name = "N", requires = "view")]
+    pub height: Option<NonZeroUsize>,
 }
 
 // Arguments of `morion table`.

@@ -22,6 +22,11 @@ pub(super) struct PlaceOnCell {
 }
 
 impl PlaceOnCell {
+    /// Length of the last step, px; none before the first.
+    pub(super) fn last_step(&self) -> Option<f64> {
+        self.last.map(|[step, _]| step.length())
+    }
+
     /// Goes by what is missing of the values at the place, and learns from how the step before fared (Broyden's method).
     pub(super) fn go(&mut self, missing: DVec2) {
         if let Some([step, before]) = self.last {
@@ -56,13 +61,16 @@ pub(super) struct CellSearch {
 }
 
 impl CellSearch {
-    pub(super) fn new(field: &BilinearField) -> Self {
+    /// The raster of `field`, whose halves go on for as many cells as `beyond` says where there are no others.
+    pub(super) fn new(field: &BilinearField, beyond: f64) -> Self {
         let [columns, rows] = field.grid.cells();
         let cells = || (0..columns * rows).map(|k| [k % columns, k / columns]);
         let told = || cells().filter_map(|at| Some((at, field.cell(at)?)));
         let all = || told().flat_map(|(_, corners)| corners).map(DVec2::from_array);
         let low = all().fold(DVec2::INFINITY, DVec2::min);
         let high = all().fold(DVec2::NEG_INFINITY, DVec2::max);
+        let cells_on = beyond / columns.min(rows).max(1) as f64;
+        let (low, high) = (low - cells_on * (high - low), high + cells_on * (high - low));
         let texel = ((high - low) / TEXELS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
         let texels = vec![0; TEXELS * TEXELS];
         let mut search = Self { low, texel, halves: Vec::new(), texels };
@@ -73,7 +81,36 @@ impl CellSearch {
                 search.add(half.map(corner));
             }
         }
+        search.extend((cells_on * TEXELS as f64).ceil() as usize);
         search
+    }
+
+    /// Gives texels that no half covers the half beside them, for so many texels.
+    fn extend(&mut self, texels: usize) {
+        let is_covered = |k: &usize| self.texels[*k] != 0;
+        let mut outermost: Vec<usize> = match texels {
+            0 => Vec::new(),
+            _ => (0..self.texels.len()).filter(is_covered).collect(),
+        };
+        for _ in 0..texels {
+            let mut next = Vec::new();
+            for from in outermost {
+                let (column, row) = (from % TEXELS, from / TEXELS);
+                let beside = [
+                    (column > 0).then(|| from - 1),
+                    (column + 1 < TEXELS).then_some(from + 1),
+                    (row > 0).then(|| from - TEXELS),
+                    (row + 1 < TEXELS).then_some(from + TEXELS),
+                ];
+                for k in beside.into_iter().flatten() {
+                    if self.texels[k] == 0 {
+                        self.texels[k] = self.texels[from];
+                        next.push(k);
+                    }
+                }
+            }
+            outermost = next;
+        }
     }
 
     fn add(&mut self, [a, b, c]: [(DVec2, DVec2); 3]) {
@@ -145,7 +182,7 @@ mod tests {
         let corner = |k: usize| [1.0 + (k % 63) as f64, 1.0 + (k / 63) as f64];
         let known: Vec<_> = (0..63 * 47).map(corner).map(|place| (place, of(place))).collect();
         let (field, _) = BilinearField::new(grid, values, 1e12, &known);
-        let search = CellSearch::new(&field);
+        let search = CellSearch::new(&field, 0.0);
         for place in [[2.0, 2.0], [31.7, 20.3], [61.5, 45.9], [17.0, 30.01]] {
             let found = search.find(of(place).into()).unwrap().place;
             assert!(found.distance(place.into()) < 1e-6, "{place:?} {found}");

@@ -6,6 +6,13 @@ use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::raster::npy;
 
+/// Steps that are gone to every place: from a quarter of a pixel to some thousandths, where the picture changes most over a cell.
+const LEAST_STEPS: usize = 3;
+/// A place is found, px, after a step so short: the next one would be shorter by an order at least.
+const CONVERGED_PX: f64 = 2e-3;
+/// Longest last step, px, to a place: a longer one comes of steps back and forth across a ridge.
+const LAST_STEP_PX: f64 = 2e-2;
+
 /// A picture that shows the world without the mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MapFrame {
@@ -77,10 +84,13 @@ impl MapFrame {
     }
 }
 
-/// Places of a frame, first by the cells of a field, then nearer.
+/// Places of a frame for the pixels of a picture, first by the cells of a field, then nearer.
 #[derive(Debug, Clone)]
 pub struct PlaceMapDraft {
-    frame: MapFrame,
+    /// Pixels of the picture.
+    count: usize,
+    /// Steps that were gone.
+    steps: usize,
     /// Of each pixel that is shown: its number, what it shows, and the place of the frame.
     shown: Vec<(usize, DVec2, PlaceOnCell)>,
 }
@@ -95,44 +105,66 @@ pub struct PlaceMap {
 }
 
 impl PlaceMapDraft {
-    /// The first places: linear within each half of the cells of `field`, of the floor or of directions projected from `pole`.
+    /// The first places for `count` pixels, each of which shows what is `wanted` of it, in the values of `field`: linear within each half
+    /// of its cells, and on from there for as many cells as `beyond` says.
     #[must_use]
-    pub fn new(frame: MapFrame, field: &BilinearField, pole: Pole) -> Self {
-        let [width, height] = frame.size();
-        let search = CellSearch::new(field);
+    pub fn new(
+        count: usize,
+        wanted: impl Fn(usize) -> Option<[f64; 2]>,
+        (field, beyond): (&BilinearField, f64),
+    ) -> Self {
+        let search = CellSearch::new(field, beyond);
         let place = |k: usize| {
-            let wanted = DVec2::from_array(frame.wanted(k, pole)?);
+            let wanted = DVec2::from_array(wanted(k)?);
             Some((k, wanted, search.find(wanted)?))
         };
-        Self { frame, shown: (0..width * height).filter_map(place).collect() }
+        Self { count, steps: 0, shown: (0..count).filter_map(place).collect() }
     }
 
-    /// The places of the frame, as far as they are known.
+    /// The places of the frame that are not yet found.
+    #[must_use]
+    pub fn open(&self) -> Vec<DVec2> {
+        self.shown.iter().filter(|shown| self.is_open(shown)).map(|(.., at)| at.place).collect()
+    }
+
+    /// All places of the frame, as far as they are known.
     #[must_use]
     pub fn places(&self) -> Vec<DVec2> {
-        self.shown.iter().map(|(.., on_cell)| on_cell.place).collect()
+        self.shown.iter().map(|(.., at)| at.place).collect()
     }
 
-    /// One step nearer: `found` is what the places show, as the field has it. What shows nothing is left out.
-    pub fn step(&mut self, found: impl Iterator<Item = Option<[f64; 2]>>) {
-        let shown = std::mem::take(&mut self.shown).into_iter().zip(found);
-        self.shown = shown
-            .filter_map(|((k, wanted, mut on_cell), found)| {
-                on_cell.go(wanted - DVec2::from_array(found?));
-                Some((k, wanted, on_cell))
-            })
-            .collect();
+    fn is_open(&self, (.., at): &(usize, DVec2, PlaceOnCell)) -> bool {
+        self.steps < LEAST_STEPS || !at.last_step().is_some_and(|step| step <= CONVERGED_PX)
     }
 
-    /// The map, without the places of which `is_shown` is false.
+    /// One step nearer: `found` is what the open places show, as the field has it. What shows nothing is left out.
+    pub fn step(&mut self, found: impl IntoIterator<Item = Option<[f64; 2]>>) {
+        let mut found = found.into_iter();
+        let mut shown = std::mem::take(&mut self.shown);
+        shown.retain_mut(|shown| {
+            if !self.is_open(shown) {
+                return true;
+            }
+            let Some(found) = found.next().flatten() else { return false };
+            let (_, wanted, at) = shown;
+            at.go(*wanted - DVec2::from_array(found));
+            true
+        });
+        self.shown = shown;
+        self.steps += 1;
+    }
+
+    /// The place of each pixel, px from the upper left corner of the frame; none where nothing is shown, where `is_shown` of
+    /// [`PlaceMapDraft::places`] is false, and where steps led to no place.
     #[must_use]
-    pub fn finish(self, is_shown: &[bool]) -> PlaceMap {
-        let [width, height] = self.frame.size();
-        let mut places = vec![None; width * height];
-        for ((k, _, on_cell), is_shown) in self.shown.into_iter().zip(is_shown) {
-            places[k] = is_shown.then(|| on_cell.place.to_array());
+    pub fn finish(self, is_shown: &[bool]) -> Vec<Option<[f64; 2]>> {
+        let mut places = vec![None; self.count];
+        for (shown, is_shown) in self.shown.iter().zip(is_shown) {
+            let (k, _, at) = shown;
+            let is_found = *is_shown && at.last_step().is_some_and(|step| step <= LAST_STEP_PX);
+            places[*k] = is_found.then(|| at.place.to_array());
         }
-        PlaceMap { frame: self.frame, places }
+        places
     }
 }
 

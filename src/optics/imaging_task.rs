@@ -136,12 +136,29 @@ impl ImagingTask {
         p: [S; 2],
         near: DVec2,
     ) -> [S; 2] {
+        self.projection.image_of(self.seen_along(view, at, p), near)
+    }
+
+    /// The direction from the target's origin, as a stereographic coordinate, of what the camera of `chart` sees in a mirror through `at`
+    /// of slope `p`; the direction itself for targets at infinity.
+    #[must_use]
+    pub fn seen_from_origin(&self, chart: &Chart, at: [f64; 3], p: [f64; 2]) -> [f64; 2] {
+        self.seen_along(chart.view(at), || at, p)
+    }
+
+    /// The same for a ray whose angle to the axis has the tangent `view`.
+    #[inline]
+    fn seen_along<S: Scalar>(
+        &self,
+        view: [S; 2],
+        at: impl FnOnce() -> [S; 3],
+        p: [S; 2],
+    ) -> [S; 2] {
         let seen = stereographic::reflect(stereographic::towards_camera(view), p);
-        let seen = match &self.target {
+        match &self.target {
             Target::Infinity => seen,
             target => target.direction_from_origin(self.relative(at()), seen),
-        };
-        self.projection.image_of(seen, near)
+        }
     }
 
     /// W . curl W / |W|^2 at height `f` over chart coordinates `q`, 1/mm: zero everywhere exactly when an

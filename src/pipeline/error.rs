@@ -297,6 +297,16 @@ pub enum PhotoError {
         /// Why.
         source: UnwrapError,
     },
+    /// There is nothing in the picture that is asked for.
+    #[error("{photo} shows nothing of {what}; {remedy}")]
+    Unseen {
+        /// The file.
+        photo: String,
+        /// The picture.
+        what: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
     /// The map cannot be encoded.
     #[error(transparent)]
     Table(#[from] MapEncodingError),

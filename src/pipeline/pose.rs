@@ -1,6 +1,7 @@
 //! `pose.json`: how a part is mounted, and the errors of its camera.
 
 use super::Error;
+use crate::profile::Profile;
 use crate::publish;
 use crate::tolerance_terms::{ActsOn, ErrorSourceRow, Perturbation};
 use serde::Deserialize;
@@ -68,5 +69,14 @@ impl KnownErrors {
             }
         }
         Ok(Self { errors, profile: profile.map(|profile| profile.sha256) })
+    }
+
+    /// A warning where it was written for another profile.
+    pub(super) fn warning(&self, profile: &Profile) -> Option<String> {
+        let sha256 = self.profile.as_ref()?;
+        (*sha256 != profile.sha256).then(|| {
+            "the pose was written for another version of the profile: it is taken as it is"
+                .to_owned()
+        })
     }
 }

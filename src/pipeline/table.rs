@@ -1,17 +1,18 @@
 //! `morion table`: from pixels to directions and places of a floor, and back, for other programs.
 
+use super::floor_plan::FloorPlan;
+use super::mounted_system::MountedSystem;
 use super::pose::KnownErrors;
 use super::run::{Command, Run};
 use super::table_files::TableFiles;
-use super::table_sight::{MountedSystem, TracedTable};
+use super::table_sight::TracedTable;
 use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Stage};
 use crate::geom::Ray;
-use crate::lookup::{FieldErrors, FloorPlane, MapFrame, NodeTable, PixelGrid, PlaceMap};
+use crate::lookup::{FieldErrors, MapFrame, NodeTable, PixelGrid, PlaceMap};
 use crate::num::random::RandomStream;
 use crate::num::stats::Summary;
 use crate::profile::Profile;
-use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use crate::report::Answer;
 use crate::results::{FieldFacts, FileFacts, FloorFacts, PlaceMapFacts, SCHEMA, TableReport};
 use std::path::{Path, PathBuf};
@@ -36,10 +37,6 @@ pub struct TableOptions<'a> {
 
 /// Most nodes.
 const MOST_NODES: usize = 4_000_000;
-/// Range of a floor over its distance: where it is seen 11 degrees below the horizon.
-const RANGE: f64 = 5.0;
-/// Pixels across half of a plan.
-const HALF_PLAN: f64 = 250.0;
 
 impl TableOptions<'_> {
     /// Pixels along a node's block, usually: a table of 320 x 240 pixels takes 40 kB.
@@ -80,31 +77,11 @@ impl Command for TableOptions<'_> {
             let must = format!("so large that there are at most {MOST_NODES} nodes");
             return bad("--every", must, self.every.to_string());
         }
-        if let Some(mm) = self.floor_mm.filter(|mm| !(mm.is_finite() && *mm != 0.0)) {
-            return bad("--floor-mm", "finite, and not 0".into(), mm.to_string());
-        }
-        for (option, mm) in [("--range-mm", self.range_mm), ("--mm-per-px", self.mm_per_px)] {
-            if let Some(mm) = mm.filter(|mm| !(mm.is_finite() && *mm > 0.0)) {
-                return bad(option, "positive, and finite".into(), mm.to_string());
-            }
-        }
         if !(0.01..=10.0).contains(&self.deg_per_px) {
             let must = "a number from 0.01 to 10".into();
             return bad("--deg-per-px", must, self.deg_per_px.to_string());
         }
-        if let Some((plane, mm_per_px)) = self.floor() {
-            let pixels = 2.0 * plane.range_mm / mm_per_px;
-            if !(2.0..=f64::from(MOST_SIDE)).contains(&pixels)
-                || pixels * pixels > MOST_PIXELS as f64
-            {
-                let must = format!(
-                    "such that the plan of {} mm has 2 to {MOST_SIDE} pixels a side",
-                    2.0 * plane.range_mm
-                );
-                return bad("--mm-per-px", must, mm_per_px.to_string());
-            }
-        }
-        Ok(())
+        self.floor().map_or(Ok(()), |floor| floor.check("--floor-mm"))
     }
 
     fn run(&self, run: &mut Run) -> Result<TableReport, Error> {
@@ -117,10 +94,10 @@ impl Command for TableOptions<'_> {
             MountedSystem { engine: &engine, camera: &design.camera, made: &made, is_mounted };
         let (mut report, files) = run.stage(Stage::Trace, || {
             let table = sight.table(self.grid(run.profile));
-            let note = format!("{} nodes, {} places between", table.grid.count(), table.known());
+            let note = format!("{} nodes, {} places between", table.grid().count(), table.known());
             Ok((self.filled(run.profile, &sight, &table), note))
         })?;
-        report.warnings.extend(other_profile(run.profile, pose.as_ref()));
+        report.warnings.extend(pose.and_then(|pose| pose.warning(run.profile)));
         let (encoded, header_bytes) = files.encoded(run.profile, &self.comments(run.profile));
         report.header_bytes = header_bytes;
         let facts = encoded.iter().map(|(name, format, bytes)| FileFacts::of(name, format, bytes));
@@ -136,24 +113,15 @@ impl Command for TableOptions<'_> {
     }
 }
 
-/// A warning of a pose that was written for another profile.
-fn other_profile(profile: &Profile, pose: Option<&KnownErrors>) -> Option<String> {
-    let sha256 = pose?.profile.as_ref()?;
-    (*sha256 != profile.sha256).then(|| {
-        "the pose was written for another version of the profile: it is taken as it is".to_owned()
-    })
-}
-
 impl TableOptions<'_> {
     fn grid(&self, profile: &Profile) -> PixelGrid {
         PixelGrid { frame: profile.camera.pixels().map(|x| x as usize), every: self.every }
     }
 
-    /// The floor, and millimetres to a pixel of its plan.
-    fn floor(&self) -> Option<(FloorPlane, f64)> {
-        let z_mm = self.floor_mm?;
-        let range_mm = self.range_mm.unwrap_or(RANGE * z_mm.abs());
-        Some((FloorPlane { z_mm, range_mm }, self.mm_per_px.unwrap_or(range_mm / HALF_PLAN)))
+    /// The floor.
+    fn floor(&self) -> Option<FloorPlan> {
+        let Self { range_mm, mm_per_px, .. } = *self;
+        self.floor_mm.map(|z_mm| FloorPlan { z_mm, range_mm, mm_per_px })
     }
 
     /// What a reader of the files has to know.
@@ -177,20 +145,19 @@ impl TableOptions<'_> {
         sight: &MountedSystem,
         table: &TracedTable,
     ) -> (TableReport, TableFiles) {
-        let plane = self.floor().map(|(plane, _)| plane);
-        let rows = NodeTable::new(table.grid, table.shown(), plane);
+        let plane = self.floor().map(|floor| floor.plane());
+        let rows = NodeTable::new(table.grid(), table.shown(), plane);
         let pole = table.pole();
         let project = |ray: &Ray| Some(pole.project(ray));
         let (directions, errors) = table.field(project);
         let panorama = table.panorama(self.deg_per_px);
         let panorama = sight.map(panorama, (&directions, pole), project);
         let direction_facts = facts(errors, rows.angle_deviation());
-        let floor = self.floor().map(|(plane, mm_per_px)| {
+        let floor = self.floor().map(|floor| {
+            let plane = floor.plane();
             let (field, errors) = table.field(|ray| plane.meets(ray));
-            // (Steps on the way may lead a little beyond the range.)
-            let beyond = FloorPlane { range_mm: 2.0 * plane.range_mm, ..plane };
-            let plan = MapFrame::Floor { plane, mm_per_px };
-            let plan = sight.map(plan, (&field, pole), |ray| beyond.meets(ray));
+            let beyond = floor.beyond();
+            let plan = sight.map(floor.frame(), (&field, pole), |ray| beyond.meets(ray));
             let facts = FloorFacts {
                 z_mm: plane.z_mm,
                 range_mm: plane.range_mm,
@@ -203,9 +170,9 @@ impl TableOptions<'_> {
         let report = TableReport {
             schema: SCHEMA,
             profile: profile.into(),
-            frame_px: table.grid.frame,
+            frame_px: table.grid().frame,
             every: self.every,
-            nodes: table.grid.nodes(),
+            nodes: table.grid().nodes(),
             numbers: rows.names().into_iter().map(str::to_owned).collect(),
             pose: self.pose.map(|path| path.display().to_string()),
             directions: direction_facts,

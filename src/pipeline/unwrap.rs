@@ -1,48 +1,48 @@
-//! A photo and a profile -> a panorama and its map.
+//! A photo and a profile -> a panorama, a view or a plan of the floor, and its map.
 
+use super::mounted_system::MountedSystem;
+use super::pose::KnownErrors;
 use super::run::{Command, Run};
+use super::tolerance_spec::{PreparedStudy, prepared};
+use super::unwrap_picture::{FramedPicture, UnwrapPicture};
 use super::{Error, PhotoError, Stage};
 use crate::design::Design;
+use crate::num::random::RandomStream;
 use crate::optics::StripLaw;
-use crate::profile::Profile;
+use crate::profile::{Profile, ProjectionSpec};
 use crate::publish;
 use crate::raster::Raster;
-use crate::results::{FileFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport};
+use crate::results::{
+    FileFacts, GroundFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport,
+    ViewFacts,
+};
+use crate::tolerance::Engine;
 use crate::unwrap::{ImagingSystem, Panorama, RemapTable, UnwrapError, crop_panels};
 use std::path::Path;
 
-/// How a photo becomes a panorama.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UnwrapOptions {
+/// How a photo is unwrapped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum UnwrapOptions<'a> {
     /// The panels cut out and laid side by side.
     Cuts,
-    /// Every direction fetched from where the designed mirror shows it.
+    /// Everything fetched from where the mirror shows it.
     Remap {
-        /// The law of the rows; the profile's own without it.
-        projection: Option<Rows>,
-        /// Pixels across; at the photo's scale without it.
-        width: Option<usize>,
+        /// What is shown.
+        picture: UnwrapPicture,
         /// Whether the map is written too, and how.
         map: Option<MapFormat>,
+        /// A file as `tolerance --replay` writes: how the part is mounted, and the camera's errors. Without it the mirror is the
+        /// designed one.
+        pose: Option<&'a Path>,
     },
 }
 
-impl Default for UnwrapOptions {
+impl Default for UnwrapOptions<'_> {
     /// A panorama by the profile's law at the photo's scale, without its map.
     fn default() -> Self {
-        Self::Remap { projection: None, width: None, map: None }
+        let picture = UnwrapPicture::Panorama { projection: None, width: None };
+        Self::Remap { picture, map: None, pose: None }
     }
-}
-
-/// Laws of a panorama's rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rows {
-    /// tan e in equal steps.
-    Cylindrical,
-    /// e in equal steps.
-    Equirectangular,
-    /// Conformal.
-    Mercator,
 }
 
 /// Formats of a map.
@@ -54,23 +54,34 @@ pub enum MapFormat {
     Exr,
 }
 
-/// A photo to be unwrapped, and how: writes `PHOTO-unwrapped.png` and, where asked for, `PHOTO-map.npy` or
-/// `PHOTO-map.exr` into NAME.
+/// A photo to be unwrapped, and how: writes `PHOTO-unwrapped.png`, `PHOTO-view.png` or `PHOTO-ground.png` and, where asked for, `PHOTO-map`,
+/// `PHOTO-view-map` or `PHOTO-ground-map` as `.npy` or `.exr` into NAME.
 #[derive(Debug, Clone, Copy)]
 pub struct Unwrap<'a> {
     /// The photo: a PNG, JPEG or EXR, taken through the mirror.
     pub photo: &'a Path,
-    /// How it becomes a panorama.
-    pub options: UnwrapOptions,
+    /// How it is unwrapped.
+    pub options: UnwrapOptions<'a>,
+}
+
+/// A photo that was unwrapped.
+struct UnwrappedPhoto {
+    framed: FramedPicture,
+    picture: Raster,
+    /// None of cuts.
+    map: Option<RemapTable>,
 }
 
 impl Command for Unwrap<'_> {
     type Report = UnwrapReport;
 
     fn check(&self, profile: &Profile) -> Result<(), Error> {
-        match profile.projection {
-            Some(_) => Ok(()),
-            None => Err(no_projection(profile)),
+        if profile.projection.is_none() {
+            return Err(no_projection(profile));
+        }
+        match &self.options {
+            UnwrapOptions::Cuts => Ok(()),
+            UnwrapOptions::Remap { picture, .. } => picture.check(),
         }
     }
 
@@ -80,36 +91,22 @@ impl Command for Unwrap<'_> {
             let note = format!("{}: {} x {} pixels", self.name(), photo.width, photo.height);
             Ok((photo, note))
         })?;
-        let design = run.design()?;
+        let pose = self.pose().map(KnownErrors::read).transpose()?;
+        let (design, engine) = self.prepared(run)?;
         let Design { mirror, camera, view: Some(view), .. } = &design else {
             return Err(no_projection(run.profile));
         };
         let optics = ImagingSystem { mirror, camera, view };
         let size = [photo.width, photo.height];
         let scale = optics.scale(size).map_err(|source| self.unfit(source))?;
-        let (panorama, picture, map) = run.stage(Stage::Picture, || {
-            let made = self.picture(&optics, &photo)?;
-            let note = format!("{} x {} pixels", made.1.width, made.1.height);
+        let made = run.stage(Stage::Picture, || {
+            let made = self.unwrapped((&optics, engine.as_ref()), pose.as_ref(), &photo)?;
+            let note = format!("{} x {} pixels", made.picture.width, made.picture.height);
             Ok((made, note))
         })?;
-        let png = picture.to_png().map_err(|error| Error::Picture(error.to_string()))?;
-        let table = map.as_ref().and_then(|map| self.table(map)).transpose()?;
-        let mut files = Vec::new();
-        run.publish(Stage::Write, |transaction, _| {
-            for (suffix, format, bytes) in [("unwrapped.png", "png", png)].into_iter().chain(table)
-            {
-                let stem = self.photo.file_stem().unwrap_or_default().to_string_lossy();
-                let staged = transaction.add_bytes(&format!("{stem}-{suffix}"), &bytes)?;
-                files.push(FileFacts {
-                    name: staged.name().to_owned(),
-                    format: format.into(),
-                    bytes: bytes.len() as u64,
-                    sha256: staged.sha256().to_owned(),
-                });
-            }
-            Ok(())
-        })?;
-        Ok(UnwrapReport {
+        let files = self.written(run, &made)?;
+        let UnwrappedPhoto { framed, map, .. } = made;
+        let mut report = UnwrapReport {
             schema: SCHEMA,
             profile: run.profile.into(),
             photo: PhotoFacts {
@@ -117,17 +114,17 @@ impl Command for Unwrap<'_> {
                 pixels: size,
                 pixels_per_sensor_pixel: scale[0],
             },
-            panorama: PanoramaFacts {
-                way: if self.options == UnwrapOptions::Cuts { "cuts" } else { "remap" },
-                projection: law_name(&panorama.law),
-                pixels: panorama.size,
-                azimuth_deg: panorama.azimuth_deg(),
-                elevation_deg: panorama.elevation_deg(),
-            },
+            pose: self.pose().map(|path| path.display().to_string()),
+            panorama: None,
+            view: None,
+            ground: None,
             map: map
                 .map(|map| UnwrapMapFacts { seen: map.seen(), distortion_px: map.distortion_px }),
             files,
-        })
+            warnings: pose.and_then(|pose| pose.warning(run.profile)).into_iter().collect(),
+        };
+        self.add_picture(&mut report, &framed);
+        Ok(report)
     }
 }
 
@@ -137,6 +134,13 @@ type Table = (&'static str, &'static str, Vec<u8>);
 impl Unwrap<'_> {
     fn name(&self) -> String {
         self.photo.display().to_string()
+    }
+
+    fn pose(&self) -> Option<&Path> {
+        match self.options {
+            UnwrapOptions::Cuts => None,
+            UnwrapOptions::Remap { pose, .. } => pose,
+        }
     }
 
     fn unfit(&self, source: UnwrapError) -> Error {
@@ -149,26 +153,107 @@ impl Unwrap<'_> {
             .map_err(|source| PhotoError::Picture { photo: self.name(), source }.into())
     }
 
-    fn picture(
-        &self,
-        optics: &ImagingSystem,
-        photo: &Raster,
-    ) -> Result<(Panorama, Raster, Option<RemapTable>), Error> {
-        let unfit = |source| self.unfit(source);
-        match self.options {
-            UnwrapOptions::Cuts => {
-                let (picture, panorama) = crop_panels(optics, photo).map_err(unfit)?;
-                Ok((panorama, picture, None))
+    /// The design, and where places are found by traced rays the engine that does so: of a floor, of a system as mounted, and of panels,
+    /// each of which has a projection of its own.
+    fn prepared(&self, run: &Run) -> Result<(Design, Option<Engine>), Error> {
+        let UnwrapOptions::Remap { picture, pose, .. } = self.options else {
+            return Ok((run.design()?, None));
+        };
+        let is_traced = match picture {
+            _ if pose.is_some() => true,
+            UnwrapPicture::Panorama { .. } => false,
+            UnwrapPicture::View { .. } => {
+                matches!(run.profile.projection, Some(ProjectionSpec::Panels(_)))
             }
-            UnwrapOptions::Remap { projection, width, .. } => {
-                let size = [photo.width, photo.height];
-                let law = projection.map(Rows::law);
-                let panorama = Panorama::new(optics, size, law, width).map_err(unfit)?;
-                let map = RemapTable::new(optics, &panorama, size).map_err(unfit)?;
-                let picture = map.paint(photo);
-                Ok((panorama, picture, Some(map)))
-            }
+            UnwrapPicture::Ground { .. } => true,
+        };
+        if !is_traced {
+            return Ok((run.design()?, None));
         }
+        let PreparedStudy { design, engine, .. } = prepared(run)?;
+        Ok((design, Some(engine)))
+    }
+
+    fn unwrapped(
+        &self,
+        (optics, engine): (&ImagingSystem, Option<&Engine>),
+        pose: Option<&KnownErrors>,
+        photo: &Raster,
+    ) -> Result<UnwrappedPhoto, Error> {
+        let unfit = |source| self.unfit(source);
+        let UnwrapOptions::Remap { picture, .. } = self.options else {
+            let (picture, panorama) = crop_panels(optics, photo).map_err(unfit)?;
+            return Ok(UnwrappedPhoto {
+                framed: FramedPicture::Panorama(panorama),
+                picture,
+                map: None,
+            });
+        };
+        let size = [photo.width, photo.height];
+        let framed = picture.framed(optics, size).map_err(unfit)?;
+        let map = match engine {
+            None => framed.designed(optics, size),
+            Some(engine) => {
+                let errors = pose.map_or(&[][..], |pose| &pose.errors);
+                let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
+                let is_mounted = pose.is_some();
+                let camera = optics.camera;
+                let sight = MountedSystem { engine, camera, made: &made, is_mounted };
+                framed.mounted(optics, &sight, size)
+            }
+        };
+        let map = map.map_err(unfit)?;
+        self.check_seen(&framed, &map)?;
+        Ok(UnwrappedPhoto { picture: map.paint(photo), framed, map: Some(map) })
+    }
+
+    /// Refuses a view or a plan of which the photo shows nothing.
+    fn check_seen(&self, framed: &FramedPicture, map: &RemapTable) -> Result<(), Error> {
+        let (what, remedy) = match framed {
+            _ if map.seen() > 0.0 => return Ok(()),
+            FramedPicture::Panorama(_) => return Ok(()),
+            FramedPicture::View(..) => (
+                "this view".to_owned(),
+                "the panorama, without --view, shows the directions that there are",
+            ),
+            FramedPicture::Ground(floor) => {
+                let plane = floor.plane();
+                let (z_mm, range_mm) = (plane.z_mm, plane.range_mm);
+                (
+                    format!("the floor at Z = {z_mm} mm within {range_mm} mm of the axis"),
+                    "Z is positive past the camera and negative behind the mirror, and --range-mm reaches farther",
+                )
+            }
+        };
+        Err(PhotoError::Unseen { photo: self.name(), what, remedy }.into())
+    }
+
+    /// Publishes the files.
+    fn written(&self, run: &mut Run, made: &UnwrappedPhoto) -> Result<Vec<FileFacts>, Error> {
+        let png = made.picture.to_png().map_err(|error| Error::Picture(error.to_string()))?;
+        let [picture, prefix] = match made.framed {
+            FramedPicture::Panorama(_) => ["unwrapped.png", ""],
+            FramedPicture::View(..) => ["view.png", "view-"],
+            FramedPicture::Ground(_) => ["ground.png", "ground-"],
+        };
+        let table = made.map.as_ref().and_then(|map| self.table(map)).transpose()?;
+        let table = table.map(|(name, format, bytes)| (format!("{prefix}{name}"), format, bytes));
+        let stem = self.photo.file_stem().unwrap_or_default().to_string_lossy();
+        let mut files = Vec::new();
+        run.publish(Stage::Write, |transaction, _| {
+            let picture = (picture.to_owned(), "png", png);
+            for (suffix, format, bytes) in [picture].into_iter().chain(table) {
+                let staged = transaction.add_bytes(&format!("{stem}-{suffix}"), &bytes)?;
+                files.push(FileFacts {
+                    name: staged.name().to_owned(),
+                    format: format.into(),
+                    bytes: bytes.len() as u64,
+                    sha256: staged.sha256().to_owned(),
+                });
+            }
+            Ok(())
+        })?;
+        Ok(files)
     }
 
     /// The map's file, if there is to be one.
@@ -182,20 +267,46 @@ impl Unwrap<'_> {
             }
         })
     }
+
+    fn add_picture(&self, report: &mut UnwrapReport, framed: &FramedPicture) {
+        let pixels = framed.size();
+        match framed {
+            FramedPicture::Panorama(panorama) => {
+                report.panorama = Some(self.panorama_facts(panorama));
+            }
+            FramedPicture::View(angles, _) => {
+                report.view = Some(ViewFacts {
+                    pixels,
+                    azimuth_deg: angles.azimuth_deg,
+                    elevation_deg: angles.elevation_deg,
+                    field_deg: angles.field_deg,
+                });
+            }
+            FramedPicture::Ground(floor) => {
+                report.ground = Some(GroundFacts {
+                    pixels,
+                    height_mm: floor.z_mm,
+                    range_mm: floor.plane().range_mm,
+                    mm_per_px: floor.mm_per_px(),
+                    corner_mm: floor.frame().corner(),
+                });
+            }
+        }
+    }
+
+    fn panorama_facts(&self, panorama: &Panorama) -> PanoramaFacts {
+        PanoramaFacts {
+            way: if self.options == UnwrapOptions::Cuts { "cuts" } else { "remap" },
+            projection: law_name(&panorama.law),
+            pixels: panorama.size,
+            azimuth_deg: panorama.azimuth_deg(),
+            elevation_deg: panorama.elevation_deg(),
+        }
+    }
 }
 
 fn no_projection(profile: &Profile) -> Error {
     PhotoError::NoProjection { profile: profile.name.clone() }.into()
-}
-
-impl Rows {
-    fn law(self) -> StripLaw {
-        match self {
-            Self::Cylindrical => StripLaw::Cylindrical,
-            Self::Equirectangular => StripLaw::Equirectangular,
-            Self::Mercator => StripLaw::Mercator,
-        }
-    }
 }
 
 fn law_name(law: &StripLaw) -> &'static str {

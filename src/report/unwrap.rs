@@ -1,15 +1,36 @@
 //! What became of a photo.
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
-use crate::results::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, figures};
+use crate::results::{
+    GroundFacts, PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, ViewFacts, figures,
+    three_digits,
+};
 
 impl Answer for UnwrapReport {
     fn head(&self) -> Head<'_> {
-        Head::of(&self.profile)
+        Head::of(&self.profile).with_warnings(&self.warnings)
     }
 
     fn rows(&self) -> AnswerRows {
-        AnswerRows::of(&[&self.photo, &self.panorama, &self.map, &self.files])
+        let mut rows = AnswerRows::of(&[&self.photo]);
+        if let Some(pose) = &self.pose {
+            rows.terminal("pose", format!("as mounted by {pose}"));
+        }
+        rows.append(AnswerRows::of(&[&self.panorama, &self.view, &self.ground]));
+        if let Some(UnwrapMapFacts { seen, distortion_px }) = self.map {
+            let name = match (self.view, self.ground) {
+                (Some(_), _) => "view",
+                (_, Some(_)) => "plan",
+                _ => "panorama",
+            };
+            let mut text = format!("{:.2} % of the {name} is seen", 100.0 * seen);
+            if distortion_px.is_some() {
+                text += &format!("; distortion removed {} px", figures(distortion_px));
+            }
+            rows.terminal("map", text);
+        }
+        self.files.add_to(&mut rows);
+        rows
     }
 }
 
@@ -38,12 +59,27 @@ impl ToRows for PanoramaFacts {
     }
 }
 
-impl ToRows for UnwrapMapFacts {
+impl ToRows for ViewFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let (seen, distortion) = (100.0 * self.seen, figures(self.distortion_px));
+        let Self { pixels: [width, height], azimuth_deg, elevation_deg, field_deg } = self;
         rows.terminal(
-            "map",
-            format!("{seen:.2} % of the panorama is seen; distortion removed {distortion} px"),
+            "view",
+            format!(
+                "{width} x {height} pixels in perspective, {field_deg} deg across; azimuth {azimuth_deg} deg, elevation {elevation_deg} deg"
+            ),
+        );
+    }
+}
+
+impl ToRows for GroundFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { pixels: [width, height], height_mm, range_mm, mm_per_px, .. } = self;
+        let [range_mm, mm_per_px] = [*range_mm, *mm_per_px].map(three_digits);
+        rows.terminal(
+            "ground",
+            format!(
+                "{width} x {height} pixels of {mm_per_px} mm, X to the right and Y up; Z = {height_mm} mm in the part's frame, to {range_mm} mm from the axis"
+            ),
         );
     }
 }

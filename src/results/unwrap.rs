@@ -14,13 +14,26 @@ pub struct UnwrapReport {
     pub profile: ProfileId,
     /// The photo.
     pub photo: PhotoFacts,
-    /// The panorama.
-    pub panorama: PanoramaFacts,
+    /// The file of the pose; absent of the system as designed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose: Option<String>,
+    /// The panorama; absent where another picture was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub panorama: Option<PanoramaFacts>,
+    /// The view in perspective, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<ViewFacts>,
+    /// The plan of the floor, if one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground: Option<GroundFacts>,
     /// The table behind it; absent for simple cuts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<UnwrapMapFacts>,
     /// The files written.
     pub files: Vec<FileFacts>,
+    /// Remarks.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// A photo.
@@ -49,12 +62,40 @@ pub struct PanoramaFacts {
     pub elevation_deg: [f64; 2],
 }
 
+/// A view in perspective.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct ViewFacts {
+    /// Columns and rows.
+    pub pixels: [usize; 2],
+    /// Azimuth of its middle, degrees.
+    pub azimuth_deg: f64,
+    /// Elevation of its middle, degrees.
+    pub elevation_deg: f64,
+    /// Angle from its left to its right edge, degrees.
+    pub field_deg: f64,
+}
+
+/// A plan of a floor, X to the right and Y up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct GroundFacts {
+    /// Columns and rows.
+    pub pixels: [usize; 2],
+    /// Z of the floor in the part's frame, mm.
+    pub height_mm: f64,
+    /// Places farther from the axis are not shown, mm.
+    pub range_mm: f64,
+    /// Millimetres to a pixel.
+    pub mm_per_px: f64,
+    /// X and Y of the upper left corner, mm.
+    pub corner_mm: [f64; 2],
+}
+
 /// A table of places.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct UnwrapMapFacts {
-    /// Share of the panorama's pixels that the photo shows.
+    /// Share of the picture's pixels that the photo shows.
     pub seen: f64,
-    /// Distance on the sensor between where things are seen and where the projection has them.
+    /// Distance on the sensor between where things are seen and where the projection has them; of directions in the designed mirror alone.
     #[serde(serialize_with = "or_null")]
     #[schemars(with = "Summary")]
     pub distortion_px: Option<Summary>,

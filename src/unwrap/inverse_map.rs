@@ -4,7 +4,7 @@
 use super::ImagingSystem;
 use crate::geom::{DVec2, Outline, Rect};
 use crate::num::Dual;
-use crate::optics::Projection;
+use crate::optics::{Projection, stereographic};
 use glam::DMat2;
 use std::f64::consts::TAU;
 
@@ -78,6 +78,17 @@ impl<'a> InverseMap<'a> {
         DVec2::from_array(view.image_of_seen(&camera.chart, place, slope, near))
     }
 
+    /// Whether the direction `wanted`, from the target's origin, is on the side of what the mirror's place `at` shows: a perspective law
+    /// has opposite directions at the same image point.
+    fn shows(&self, at: DVec2, wanted: [f64; 2]) -> bool {
+        let ImagingSystem { mirror, camera, view } = self.optics;
+        let point = mirror.surface.at(at);
+        let place = mirror.position(at, &point).to_array();
+        let slope = mirror.slope(at, &point).to_array();
+        let seen = stereographic::direction(view.seen_from_origin(&camera.chart, place, slope));
+        seen.dot(stereographic::direction(wanted)) > 0.0
+    }
+
     /// Inverse of the Jacobian of [`InverseMap::content`].
     fn follows(&self, at: DVec2, near: DVec2) -> DMat2 {
         let ImagingSystem { mirror, camera, view } = self.optics;
@@ -143,7 +154,9 @@ impl InverseSearch<'_> {
                     continue;
                 }
                 let found = self.map.solve(intended, &mut self.known[panel]);
-                let Some(at) = found.filter(|at| mirror.outline.contains(*at)) else { continue };
+                let is_there =
+                    |at: &DVec2| mirror.outline.contains(*at) && self.map.shows(*at, wanted);
+                let Some(at) = found.filter(is_there) else { continue };
                 let on = mirror.position(at, &mirror.surface.at(at));
                 let image = camera.image_at(on) * flip;
                 let pixel = self.map.optics.pixel(image);

@@ -1,6 +1,6 @@
 //! The map as a file for other programs.
 //!
-//! Both formats hold, for each pixel of the panorama, the column and the row of the photo in the
+//! Both formats hold, for each pixel of the picture, the column and the row of the photo in the
 //! convention of OpenCV's `remap`: pixel centres at whole numbers, the first one's at (0, 0); -1 where
 //! nothing is seen.
 

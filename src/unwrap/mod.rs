@@ -1,5 +1,6 @@
-//! Photos through a mirror -> panoramas: by plain cuts, or with every direction fetched from where the
-//! designed mirror shows it.
+//! Photos through a mirror -> panoramas, perspective views and plans: by plain cuts, or with everything fetched from where the mirror
+//! shows it. A [`RemapTable`] says where that is: of directions in the designed mirror by an [`InverseMap`], or by places that are known
+//! from elsewhere.
 //!
 //! Shadows are not looked for: where one panel of a valley hides the other, the photo shows its panel.
 
@@ -7,6 +8,7 @@ mod inverse_map;
 mod map_files;
 mod panel_crop;
 mod panorama;
+mod perspective_view;
 mod remap_table;
 mod row;
 
@@ -14,6 +16,7 @@ pub use inverse_map::{ImageLocation, InverseMap, InverseSearch};
 pub use map_files::MapEncodingError;
 pub use panel_crop::crop_panels;
 pub use panorama::{Panorama, STEEPEST_DEG};
+pub use perspective_view::{PerspectiveView, ViewAngles};
 pub use remap_table::RemapTable;
 
 use crate::mirror::Mirror;
@@ -30,6 +33,15 @@ pub struct ImagingSystem<'a> {
     pub camera: &'a Camera,
     /// What the picture is meant to show.
     pub view: &'a ImagingTask,
+}
+
+/// A picture each place of which shows a direction.
+pub trait DirectionPicture: Sync {
+    /// Pixels across and down.
+    fn size(&self) -> [usize; 2];
+
+    /// The direction of a place in pixels from the upper left corner, as a stereographic coordinate.
+    fn sigma(&self, x: f64, y: f64) -> [f64; 2];
 }
 
 /// Reason why a photo cannot be unwrapped.
@@ -71,9 +83,9 @@ pub enum UnwrapError {
         /// Lowest and highest elevation.
         elevation_deg: [f64; 2],
     },
-    /// The panorama has no pixels, or too many.
+    /// The picture has no pixels, or too many.
     #[error(
-        "the panorama would have {:.0} x {:.0} pixels; it must have at least one, at most {MOST_SIDE} a \
+        "the picture would have {:.0} x {:.0} pixels; it must have at least one, at most {MOST_SIDE} a \
          side and {MOST_PIXELS} in all: choose another --width or a smaller photo",
         size[0], size[1]
     )]
@@ -81,6 +93,18 @@ pub enum UnwrapError {
         /// Pixels across and down.
         size: [f64; 2],
     },
+}
+
+/// Pixels across and down of a picture that can be made.
+///
+/// # Errors
+/// [`UnwrapError::Size`] for one without pixels, or with too many.
+fn checked_size(size: [f64; 2]) -> Result<[usize; 2], UnwrapError> {
+    let fits = size.iter().all(|pixels| (1.0..=f64::from(MOST_SIDE)).contains(pixels));
+    if !fits || size[0] * size[1] > MOST_PIXELS as f64 {
+        return Err(UnwrapError::Size { size });
+    }
+    Ok(size.map(|pixels| pixels as usize))
 }
 
 impl ImagingSystem<'_> {

@@ -1,10 +1,9 @@
 //! What a panorama shows: which direction each of its pixels looks in.
 
-use super::{ImagingSystem, UnwrapError};
+use super::{DirectionPicture, ImagingSystem, UnwrapError, checked_size};
 use crate::geom::DVec2;
 use crate::num::{atan, atan2, cos, degrees, sin, wrap_turn};
 use crate::optics::{Projection, StripLaw};
-use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Where a cylindrical or mercator panorama of a mirror of another law ends, degrees from the
@@ -58,22 +57,9 @@ impl Panorama {
         let [low, high] = range.z;
         // Never beyond the range, which may end at the pole; a rounding error is no missing row.
         let rows = ((high - low) / per_px + 1e-3).floor();
-        let most = f64::from(MOST_SIDE);
-        let fits = (1.0..=most).contains(&columns) && (1.0..=most).contains(&rows);
-        if !fits || columns * rows > MOST_PIXELS as f64 {
-            return Err(UnwrapError::Size { size: [columns, rows] });
-        }
+        let size = checked_size([columns, rows])?;
         let top = 0.5 * (low + high + rows * per_px);
-        let size = [columns as usize, rows as usize];
         Ok(Self { law: range.law, left: range.left, top, per_px, size })
-    }
-
-    /// The direction of a place in pixels from the upper left corner, as a stereographic coordinate.
-    #[must_use]
-    pub fn sigma(&self, x: f64, y: f64) -> [f64; 2] {
-        let azimuth = self.left + x * self.per_px;
-        let shrink = self.law.stereographic_radius(self.top - y * self.per_px);
-        [shrink * sin(azimuth), shrink * cos(azimuth)]
     }
 
     /// Azimuth at the left and at the right edge, degrees.
@@ -86,6 +72,18 @@ impl Panorama {
     #[must_use]
     pub fn elevation_deg(&self) -> [f64; 2] {
         [self.size[1] as f64, 0.0].map(|y| elevation_deg(&self.law, self.top - y * self.per_px))
+    }
+}
+
+impl DirectionPicture for Panorama {
+    fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    fn sigma(&self, x: f64, y: f64) -> [f64; 2] {
+        let azimuth = self.left + x * self.per_px;
+        let shrink = self.law.stereographic_radius(self.top - y * self.per_px);
+        [shrink * sin(azimuth), shrink * cos(azimuth)]
     }
 }
 

@@ -1,21 +1,21 @@
-//! The remap table of a panorama: for each of its pixels the position in the photo; and its use.
+//! The remap table of a panorama, a view or a plan: for each of its pixels the position in the photo; and its use.
 
 use super::panel_crop::{PanelCrop, panel_crops};
 use super::row::locate_row;
-use super::{ImageLocation, ImagingSystem, InverseMap, Panorama, UnwrapError};
+use super::{DirectionPicture, ImageLocation, ImagingSystem, InverseMap, UnwrapError};
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::raster::Raster;
 
-/// Most samples of the photo along each side of a pixel of the panorama.
+/// Most samples of the photo along each side of a pixel of the picture.
 const MOST_SAMPLES: usize = 16;
 /// Neighbours further apart, as a share of the photo's width, lie at both ends of a turn.
 const JUMP: f32 = 0.05;
 
-/// Positions in a photo of the content of each pixel of a panorama.
+/// Positions in a photo of the content of each pixel of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RemapTable {
-    /// Pixels of the panorama across and down.
+    /// Pixels of the picture across and down.
     pub size: [usize; 2],
     /// Pixels of the photo across and down.
     pub photo: [usize; 2],
@@ -23,7 +23,7 @@ pub struct RemapTable {
     /// top edge, pixels; the first pixel's centre is (0.5, 0.5). NaN where nothing is seen.
     pub places: Vec<[f32; 2]>,
     /// Distance on the sensor, in its pixels, between where the mirror shows what belongs to a
-    /// pixel and where it was meant to; none when nothing is seen.
+    /// pixel and where it was meant to; none when nothing is seen, and of places that are known from elsewhere.
     pub distortion_px: Option<Summary>,
     /// Crops of the photo that are sampled: each panel by itself, lest light of another or from beside the
     /// mirror bleeds in; the designed one first.
@@ -31,26 +31,21 @@ pub struct RemapTable {
 }
 
 impl RemapTable {
-    /// The table of `panorama` for photos of `photo` pixels. Every row is found by itself, so that
+    /// The table of `picture` for photos of `photo` pixels through the designed mirror. Every row is found by itself, so that
     /// its bits do not depend on the number of threads.
     ///
     /// # Errors
     /// [`UnwrapError::Aspect`].
     pub fn new(
         optics: &ImagingSystem,
-        panorama: &Panorama,
+        picture: &impl DirectionPicture,
         photo: [usize; 2],
     ) -> Result<Self, UnwrapError> {
         let scale = optics.scale(photo)?;
         let map = InverseMap::new(*optics);
-        let all = || vec![PanelCrop { columns: 0..photo[0], rows: 0..photo[1] }];
-        // A given mirror's sides may be curved in the picture.
-        let straight = optics.mirror.chart == optics.camera.chart;
-        let panels =
-            if straight { panel_crops(optics, photo).unwrap_or_else(|_| all()) } else { all() };
-        let [width, height] = panorama.size;
+        let size @ [width, height] = picture.size();
         let row = |y: usize| {
-            let sigma = |x: usize| panorama.sigma(x as f64 + 0.5, y as f64 + 0.5);
+            let sigma = |x: usize| picture.sigma(x as f64 + 0.5, y as f64 + 0.5);
             let found = locate_row(&mut map.search(), width, optics.camera.pixel_mm, sigma);
             let place = |found: Option<ImageLocation>| {
                 let Some(found) = found else { return ([f32::NAN; 2], None) };
@@ -62,23 +57,37 @@ impl RemapTable {
         };
         let rows: Vec<Vec<_>> = parallel::map(height, 1, row);
         let (places, off): (Vec<_>, Vec<_>) = rows.into_iter().flatten().unzip();
-        Ok(Self {
-            size: panorama.size,
-            photo,
-            places,
-            distortion_px: Summary::of(off.into_iter().flatten().collect()),
-            panels,
-        })
+        let distortion_px = Summary::of(off.into_iter().flatten().collect());
+        let panels = sampled_crops(optics, photo);
+        Ok(Self { size, photo, places, distortion_px, panels })
     }
 
-    /// Share of the panorama's pixels that the photo shows.
+    /// The table of `places` of the sensor, row by row from the top left of a picture of `size` pixels, for photos of `photo` pixels: each
+    /// in px from the sensor's upper left corner, none where nothing is seen.
+    ///
+    /// # Errors
+    /// [`UnwrapError::Aspect`].
+    pub fn of_places(
+        optics: &ImagingSystem,
+        (size, places): ([usize; 2], &[Option<[f64; 2]>]),
+        photo: [usize; 2],
+    ) -> Result<Self, UnwrapError> {
+        let scale = optics.scale(photo)?;
+        let place = |place: &Option<[f64; 2]>| {
+            place.map_or([f32::NAN; 2], |at| [0, 1].map(|k| (at[k] * scale[k]) as f32))
+        };
+        let places = places.iter().map(place).collect();
+        Ok(Self { size, photo, places, distortion_px: None, panels: sampled_crops(optics, photo) })
+    }
+
+    /// Share of the picture's pixels that the photo shows.
     #[must_use]
     pub fn seen(&self) -> f64 {
         let seen = self.places.iter().filter(|place| !place[0].is_nan()).count();
         seen as f64 / self.places.len() as f64
     }
 
-    /// The panorama of `photo`, black where nothing is seen. Where it has fewer pixels than the
+    /// The picture of `photo`, black where nothing is seen. Where it has fewer pixels than the
     /// photo, each is the mean of several places.
     ///
     /// # Panics
@@ -138,4 +147,12 @@ impl RemapTable {
         let near = step.iter().all(|s| s.abs() <= JUMP * self.photo[0] as f32);
         if near && self.panel(from) == self.panel(to) { step } else { [0.0; 2] }
     }
+}
+
+/// The crops of a photo that are sampled: the panels, or all where there are none.
+fn sampled_crops(optics: &ImagingSystem, photo: [usize; 2]) -> Vec<PanelCrop> {
+    // A given mirror's sides may be curved in the picture.
+    let straight = optics.mirror.chart == optics.camera.chart;
+    let panels = straight.then(|| panel_crops(optics, photo).ok()).flatten();
+    panels.unwrap_or_else(|| vec![PanelCrop { columns: 0..photo[0], rows: 0..photo[1] }])
 }

@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use crate::design::design;
     use crate::profile::Profile;
-    use crate::unwrap::{ImagingSystem, InverseMap, Panorama};
+    use crate::unwrap::{DirectionPicture, ImagingSystem, InverseMap, Panorama};
 
     #[test]
     fn interpolated_places_are_the_searched_ones_and_searches_are_few() {

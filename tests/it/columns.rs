@@ -64,6 +64,8 @@ fn every_command_fits_a_terminal() {
         "verify out/small/mirror.stl --profile small.toml --align -v",
         "render small.toml --scene errors",
         "unwrap out/small/preview.png --profile small.toml",
+        "unwrap out/small/preview.png --profile small.toml --ground -40 --range-mm 200",
+        "unwrap out/small/preview.png --profile small.toml --view -150,10,60 --map npy",
         "frame small.toml -v",
         "blur small.toml --na 0.002 -v",
         "blur webcam",

@@ -248,11 +248,14 @@ fn the_page_of_reports_has_every_key() {
     hold(REPORT, &["### `morion build --dry-run`"], &plans);
     let render = runs.printed("render round.toml --scene grid");
     hold(REPORT, &["### `morion render`"], &[render]);
+    std::fs::write(runs.path("pose.json"), r#"{"profile": {"sha256": "another"}}"#).unwrap();
     let photo = "unwrap out/round/render-grid.png --profile round.toml --map";
     let unwrapped = [
         runs.printed(&format!("{photo} npy")),
         runs.printed(&format!("{photo} exr")),
         runs.printed("unwrap out/all/preview.png --profile all.toml --cuts"),
+        runs.printed(&format!("{photo} npy --view 0,30,60 --pose pose.json")),
+        runs.printed(&format!("{photo} npy --ground 100")),
     ];
     hold(REPORT, &["### `morion unwrap`"], &unwrapped);
 }

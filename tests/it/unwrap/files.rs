@@ -56,7 +56,7 @@ fn read(home: &Path, name: &str) -> Vec<u8> {
 }
 
 /// Shape and numbers of a .npy file, read by its definition.
-fn npy(bytes: &[u8]) -> ([usize; 3], Vec<[f32; 2]>) {
+pub(super) fn npy(bytes: &[u8]) -> ([usize; 3], Vec<[f32; 2]>) {
     assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
     let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     assert_eq!((10 + length) % 64, 0);

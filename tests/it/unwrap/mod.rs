@@ -2,6 +2,7 @@
 //! traced on vectors, and as files.
 
 mod files;
+mod pictures;
 
 use crate::support::builds::{SMALL, edited, parsed};
 use crate::support::{self, shipped_text};
@@ -12,7 +13,9 @@ use morion::internals::optics::{StripLaw, reflect};
 use morion::internals::profile::Profile;
 use morion::internals::raster::Raster;
 use morion::internals::trace::{Outcome, Scene};
-use morion::internals::unwrap::{ImagingSystem, InverseMap, Panorama, RemapTable, crop_panels};
+use morion::internals::unwrap::{
+    DirectionPicture, ImagingSystem, InverseMap, Panorama, RemapTable, crop_panels,
+};
 use std::f64::consts::{PI, TAU};
 
 /// Waves of the test world's colours around the horizon.

@@ -1,0 +1,72 @@
+//! A plan of a floor, as commands are asked for it.
+
+use super::Error;
+use crate::lookup::{FloorPlane, MapFrame};
+use crate::raster::{MOST_PIXELS, MOST_SIDE};
+
+/// Range of a floor over its distance: where it is seen 11 degrees below the horizon.
+const RANGE: f64 = 5.0;
+/// Pixels across half of a plan.
+const HALF_PLAN: f64 = 250.0;
+
+/// A floor, and the scale of its plan.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FloorPlan {
+    /// Z of the floor in the part's frame, mm.
+    pub z_mm: f64,
+    /// Farthest place of the floor from the axis, mm; none: five times as far as the floor.
+    pub range_mm: Option<f64>,
+    /// Millimetres to a pixel; none: 500 pixels across.
+    pub mm_per_px: Option<f64>,
+}
+
+impl FloorPlan {
+    /// The floor.
+    pub(super) fn plane(&self) -> FloorPlane {
+        let range_mm = self.range_mm.unwrap_or(RANGE * self.z_mm.abs());
+        FloorPlane { z_mm: self.z_mm, range_mm }
+    }
+
+    /// The floor as far as steps on the way to a place may lead: beyond the range.
+    pub(super) fn beyond(&self) -> FloorPlane {
+        FloorPlane { range_mm: 2.0 * self.plane().range_mm, ..self.plane() }
+    }
+
+    /// Millimetres to a pixel.
+    pub(super) fn mm_per_px(&self) -> f64 {
+        self.mm_per_px.unwrap_or(self.plane().range_mm / HALF_PLAN)
+    }
+
+    /// The plan.
+    pub(super) fn frame(&self) -> MapFrame {
+        MapFrame::Floor { plane: self.plane(), mm_per_px: self.mm_per_px() }
+    }
+
+    /// Whether there can be such a plan; `option` is the one that gives the floor's Z.
+    ///
+    /// # Errors
+    /// [`Error::Option`] of the first option that has a value without a meaning.
+    pub(super) fn check(&self, option: &'static str) -> Result<(), Error> {
+        let bad = |option, must: String, found: f64| {
+            Err(Error::Option { option, must, found: found.to_string() })
+        };
+        if !(self.z_mm.is_finite() && self.z_mm != 0.0) {
+            return bad(option, "finite, and not 0".into(), self.z_mm);
+        }
+        for (option, mm) in [("--range-mm", self.range_mm), ("--mm-per-px", self.mm_per_px)] {
+            if let Some(mm) = mm.filter(|mm| !(mm.is_finite() && *mm > 0.0)) {
+                return bad(option, "positive, and finite".into(), mm);
+            }
+        }
+        let across_mm = 2.0 * self.plane().range_mm;
+        let pixels = across_mm / self.mm_per_px();
+        let fits = (2.0..=f64::from(MOST_SIDE)).contains(&pixels);
+        if !fits || pixels * pixels > MOST_PIXELS as f64 {
+            let most = (MOST_PIXELS as f64).sqrt().floor().min(f64::from(MOST_SIDE));
+            let must =
+                format!("such that the plan of {across_mm} mm has 2 to {most} pixels a side");
+            return bad("--mm-per-px", must, self.mm_per_px());
+        }
+        Ok(())
+    }
+}
