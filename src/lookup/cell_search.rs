@@ -10,26 +10,45 @@ const TEXELS: usize = 2048;
 /// A step that changed the values by less of what was foreseen teaches nothing.
 const LEAST_GAIN: f64 = 0.1;
 
+/// Residual, px, that may grow in a step: a larger one that grows is of a step across a ridge.
+const MAY_GROW_PX: f64 = 2e-3;
+
 /// A place of the frame, and how it follows the values there: at first as the field does on its half of a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlaceOnCell {
     /// The place, px.
     pub place: DVec2,
-    /// Columns are the derivatives of the place.
+    /// Columns are the derivatives of the place by the values, on the half of the cell.
+    on_cell: DMat2,
+    /// The same as steps have shown them.
     follows: DMat2,
     /// The step before, and what was missing then.
     last: Option<[DVec2; 2]>,
+    /// How far the place before the last step was off by what was missing there, px.
+    off_px: f64,
 }
 
 impl PlaceOnCell {
-    /// Length of the last step, px; none before the first.
-    pub(super) fn last_step(&self) -> Option<f64> {
-        self.last.map(|[step, _]| step.length())
+    fn new(place: DVec2, on_cell: DMat2) -> Self {
+        Self { place, on_cell, follows: on_cell, last: None, off_px: f64::INFINITY }
     }
 
-    /// Goes by what is missing of the values at the place, and learns from how the step before fared (Broyden's method).
+    /// How far the place before the last step was off, px: infinite before the first.
+    pub(super) fn off_px(&self) -> f64 {
+        self.off_px
+    }
+
+    /// Goes by what is missing of the values at the place, and learns from how the step before fared (Broyden's method). Half of a step that
+    /// led farther away, as across a ridge, is taken back.
     pub(super) fn go(&mut self, missing: DVec2) {
+        self.off_px = (self.on_cell * missing).length();
         if let Some([step, before]) = self.last {
+            let grows = self.off_px > (self.on_cell * before).length();
+            if grows && self.off_px > MAY_GROW_PX {
+                self.place -= 0.5 * step;
+                self.last = Some([0.5 * step, before]);
+                return;
+            }
             let foreseen = self.follows * (before - missing);
             let along = step.dot(foreseen);
             if along.abs() > LEAST_GAIN * step.length_squared() {
@@ -124,7 +143,7 @@ impl CellSearch {
             (by_b * down.y - by_c * along.y) / area,
             (by_c * along.x - by_b * down.x) / area,
         );
-        let at_corner = PlaceOnCell { place: a.0, follows, last: None };
+        let at_corner = PlaceOnCell::new(a.0, follows);
         self.halves.push(HalfCell { values: a.1, at_corner });
         let number = self.halves.len() as u32;
         let lowest = a.1 + along.min(down).min(DVec2::ZERO);
@@ -163,7 +182,7 @@ impl CellSearch {
             near(row).flat_map(|row| near(column).map(move |column| row * TEXELS + column));
         let number = [here].into_iter().chain(beside.map(|k| self.texels[k])).find(|n| *n != 0)?;
         let HalfCell { values: corner, at_corner } = self.halves[number as usize - 1];
-        let place = at_corner.place + at_corner.follows * (values - corner);
+        let place = at_corner.place + at_corner.on_cell * (values - corner);
         Some(PlaceOnCell { place, ..at_corner })
     }
 }

@@ -8,10 +8,10 @@ use crate::raster::npy;
 
 /// Steps that are gone to every place: from a quarter of a pixel to some thousandths, where the picture changes most over a cell.
 const LEAST_STEPS: usize = 3;
-/// A place is found, px, after a step so short: the next one would be shorter by an order at least.
+/// A place is found after a step from one that was off by so little, px: it is off by less by an order at least.
 const CONVERGED_PX: f64 = 2e-3;
-/// Longest last step, px, to a place: a longer one comes of steps back and forth across a ridge.
-const LAST_STEP_PX: f64 = 2e-2;
+/// Most that the place before the last step may have been off by, px: more is left beside a ridge, where steps go back and forth.
+const LAST_OFF_PX: f64 = 2e-2;
 
 /// A picture that shows the world without the mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +134,7 @@ impl PlaceMapDraft {
     }
 
     fn is_open(&self, (.., at): &(usize, DVec2, PlaceOnCell)) -> bool {
-        self.steps < LEAST_STEPS || !at.last_step().is_some_and(|step| step <= CONVERGED_PX)
+        self.steps < LEAST_STEPS || !(at.off_px() <= CONVERGED_PX)
     }
 
     /// One step nearer: `found` is what the open places show, as the field has it. What shows nothing is left out.
@@ -161,7 +161,7 @@ impl PlaceMapDraft {
         let mut places = vec![None; self.count];
         for (shown, is_shown) in self.shown.iter().zip(is_shown) {
             let (k, _, at) = shown;
-            let is_found = *is_shown && at.last_step().is_some_and(|step| step <= LAST_STEP_PX);
+            let is_found = *is_shown && at.off_px() <= LAST_OFF_PX;
             places[*k] = is_found.then(|| at.place.to_array());
         }
         places

@@ -7,7 +7,7 @@ use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::{cos, radians, sin, tan};
 use morion::internals::pipeline::{
-    Command, Error, MapFormat, Silent, Unwrap, UnwrapOptions, UnwrapPicture, ViewAngles,
+    Command, MapFormat, Silent, Unwrap, UnwrapOptions, UnwrapPicture, ViewAngles,
 };
 use morion::internals::profile::Profile;
 use morion::internals::raster::Raster;
@@ -30,14 +30,16 @@ fn photo(folder: &Path, profile: &Profile) -> PathBuf {
     path
 }
 
-fn run(profile: &Profile, picture: UnwrapPicture, pose: Option<&str>) -> Result<FoundMap, Error> {
+fn run(profile: &Profile, picture: UnwrapPicture, pose: Option<&str>) -> Result<FoundMap, String> {
     let folder = folder();
     let photo = photo(folder.path(), profile);
     let path = folder.path().join("pose.json");
     std::fs::write(&path, pose.unwrap_or_default()).unwrap();
     let pose = pose.map(|_| path.as_path());
     let options = UnwrapOptions::Remap { picture, map: Some(MapFormat::Npy), pose };
-    let (report, files) = Unwrap { photo: &photo, options }.in_memory(profile, &Silent)?;
+    let (report, files) = Unwrap { photo: &photo, options }
+        .in_memory(profile, &Silent)
+        .map_err(|error| error.to_string())?;
     let map = files.iter().find(|file| file.name.ends_with("map.npy")).unwrap();
     let ([height, width, _], places) = super::files::npy(&map.bytes);
     let place =
@@ -119,7 +121,7 @@ fn held(design: &Design, map: &FoundMap, belongs: &Belongs) -> (f64, usize) {
         let in_photo = DVec2::new(off.perp_dot(y), x.perp_dot(off)) / area;
         worst = worst.max(in_photo.length());
     }
-    assert!(20 * held >= 19 * map.places.iter().flatten().count(), "{held} places are held");
+    assert!(10 * held >= 9 * map.places.iter().flatten().count(), "{held} places are held");
     let [columns, rows] = design.camera.pixels.map(|n| n as usize);
     let mut missed = 0;
     for k in 0..columns * rows {
@@ -278,7 +280,7 @@ fn a_known_pose_moves_the_places() {
 fn pictures_that_cannot_be_are_refused_by_their_option() {
     let profile = parsed(SMALL);
     let refused = |picture: UnwrapPicture| match run(&profile, picture, None) {
-        Err(error) => error.to_string(),
+        Err(error) => error,
         Ok(_) => panic!("{picture:?} is made"),
     };
     let size = [160, 120];
