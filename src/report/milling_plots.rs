@@ -34,7 +34,7 @@ pub(super) fn times_figure(operations: &[OperationFacts]) -> Option<Figure> {
             from += minutes;
         }
         let [feed, changing, rapid] = parts.map(|(_, minutes)| three_digits(minutes));
-        let text = format!("{feed} at the feed + {changing} changing speed + {rapid} rapid");
+        let text = format!("{feed} + {changing} + {rapid} min");
         plot.label(Ink::Text, [0.0, row + 0.35], [4.0, 0.0], Anchor::Start, &text);
     }
     let share = three_digits(1e2 * changing / whole.max(f64::MIN_POSITIVE));
@@ -43,8 +43,8 @@ pub(super) fn times_figure(operations: &[OperationFacts]) -> Option<Figure> {
         title: title.into(),
         body: diagram.svg(title),
         caption: format!(
-            "Each bar from the left: at the feed, then speeding up, slowing down and in corners, then rapid moves. {share} % of \
-             all the time is speed that changes: that is what a machine with more acceleration saves."
+            "Each bar and its figures from the left: at the feed, then speeding up, slowing down and in corners, then rapid moves. \
+             {share} % of all the time is speed that changes: that is what a machine with more acceleration saves."
         ),
     })
 }
