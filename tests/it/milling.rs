@@ -1,7 +1,7 @@
 //! Programs that mill a mirror: what they leave, and what they are refused for.
 
 use crate::support::builds::{SMALL, edited, folder, parsed};
-use crate::support::shipped;
+use crate::support::{shipped, times};
 use morion::internals::milling::OperationKind;
 use morion::internals::pipeline::{
     Command, Error, MachiningOptions, OutputFile, ProgramOptions, Silent, Verify, VerifyOptions,
@@ -92,8 +92,8 @@ fn small(more: &str) -> Profile {
 #[test]
 fn no_line_goes_through_the_mirror_where_it_is_interrupted() {
     let mut profile = shipped("driver");
-    profile.program.finishing.stepover_mm = Some(2.0);
-    profile.program.finishing.polish_um = Some(400.0);
+    profile.program.finishing.stepover_mm = Some(times(2, 1) as f64);
+    profile.program.finishing.polish_um = Some(times(400, 100) as f64);
     let (report, _) = milled(&profile);
     assert_eq!(cutting_faults(&report), [""; 0]);
 }
