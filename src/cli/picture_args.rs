@@ -69,8 +69,8 @@ pub(super) struct UnwrapArgs {
         conflicts_with_all = ["projection", "ground"]
     )]
     pub view: Option<ViewAngles>,
-    /// A plan of a floor in the place of the panorama, X to the right and Y up: Z of the floor in the part's frame, its distance from the
-    /// plane of the mirror's base, past the camera; negative where it is behind the mirror
+    /// A plan of a floor in the place of the panorama, as seen from the mirror, X to the right: Z of the floor in the part's frame,
+    /// its distance from the plane of the mirror's base, past the camera; negative where it is behind the mirror
     #[arg(
         long,
         value_name = "HEIGHT_MM",

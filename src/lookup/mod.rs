@@ -22,5 +22,5 @@ pub use c_header::{MOST_STEPS, c_header};
 pub use camera_info::{CameraInfo, camera_info};
 pub use node_table::{NodeSight, NodeTable};
 pub use pixel_grid::PixelGrid;
-pub use place_map::{MapFrame, PlaceMap, PlaceMapDraft};
+pub use place_map::{MapFrame, PlaceMap, PlaceMapDraft, PlanRows};
 pub use sight::{Direction, FloorPlane, Pole};

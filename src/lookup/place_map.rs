@@ -16,12 +16,14 @@ const LAST_OFF_PX: f64 = 2e-2;
 /// A picture that shows the world without the mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MapFrame {
-    /// A plan of the floor, X to the right and Y up, with the axis in its middle.
+    /// A plan of the floor, X to the right, with the axis in its middle.
     Floor {
         /// The floor.
         plane: FloorPlane,
         /// Millimetres to a pixel.
         mm_per_px: f64,
+        /// Which way its rows go.
+        rows: PlanRows,
     },
     /// Azimuth across, from -180 degrees on the left, and elevation up, both in equal steps.
     Panorama {
@@ -34,12 +36,32 @@ pub enum MapFrame {
     },
 }
 
+/// Ways of a plan's rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlanRows {
+    /// Y up: a floor as seen from larger Z.
+    AgainstY,
+    /// Y down: a floor as seen from smaller Z.
+    AlongY,
+}
+
+impl PlanRows {
+    /// Y of a row less that of the row above it, of rows that are `mm_per_px` high, mm.
+    #[must_use]
+    pub fn step_mm(self, mm_per_px: f64) -> f64 {
+        match self {
+            Self::AgainstY => -mm_per_px,
+            Self::AlongY => mm_per_px,
+        }
+    }
+}
+
 impl MapFrame {
     /// Pixels across and down.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
         match *self {
-            Self::Floor { plane, mm_per_px } => {
+            Self::Floor { plane, mm_per_px, .. } => {
                 [2 * (plane.range_mm / mm_per_px).round() as usize; 2]
             }
             Self::Panorama { top_deg, bottom_deg, deg_per_px } => [
@@ -53,9 +75,9 @@ impl MapFrame {
     #[must_use]
     pub fn corner(&self) -> [f64; 2] {
         match *self {
-            Self::Floor { mm_per_px, .. } => {
-                let [width, height] = self.size().map(|pixels| 0.5 * mm_per_px * pixels as f64);
-                [-width, height]
+            Self::Floor { mm_per_px, rows, .. } => {
+                let [width, height] = self.size().map(|pixels| 0.5 * pixels as f64);
+                [-width * mm_per_px, -height * rows.step_mm(mm_per_px)]
             }
             Self::Panorama { top_deg, .. } => [-180.0, top_deg],
         }
@@ -68,8 +90,8 @@ impl MapFrame {
         let [right, down] = [k % width, k / width].map(|index| index as f64 + 0.5);
         let [left, top] = self.corner();
         match *self {
-            Self::Floor { plane, mm_per_px } => {
-                let at = DVec2::new(left + right * mm_per_px, top - down * mm_per_px);
+            Self::Floor { plane, mm_per_px, rows } => {
+                let at = DVec2::new(left + right * mm_per_px, top + down * rows.step_mm(mm_per_px));
                 (at.length() <= plane.range_mm).then(|| at.to_array())
             }
             Self::Panorama { deg_per_px, .. } => {

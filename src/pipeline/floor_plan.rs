@@ -1,7 +1,7 @@
 //! A plan of a floor, as commands are asked for it.
 
 use super::Error;
-use crate::lookup::{FloorPlane, MapFrame};
+use crate::lookup::{FloorPlane, MapFrame, PlanRows};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 
 /// Range of a floor over its distance: where it is seen 11 degrees below the horizon.
@@ -37,9 +37,27 @@ impl FloorPlan {
         self.mm_per_px.unwrap_or(self.plane().range_mm / HALF_PLAN)
     }
 
-    /// The plan.
-    pub(super) fn frame(&self) -> MapFrame {
-        MapFrame::Floor { plane: self.plane(), mm_per_px: self.mm_per_px() }
+    /// The plan, with Y up.
+    pub(super) fn map(&self) -> MapFrame {
+        self.framed(PlanRows::AgainstY)
+    }
+
+    /// The floor as seen from the mirror, which is at Z = 0: with Y up below it, and down above it.
+    pub(super) fn seen_from_mirror(&self) -> MapFrame {
+        self.framed(self.rows_seen())
+    }
+
+    /// Y of a row less that of the row above it in the floor as seen from the mirror, mm.
+    pub(super) fn row_seen_mm(&self) -> f64 {
+        self.rows_seen().step_mm(self.mm_per_px())
+    }
+
+    fn rows_seen(&self) -> PlanRows {
+        if self.z_mm < 0.0 { PlanRows::AgainstY } else { PlanRows::AlongY }
+    }
+
+    fn framed(&self, rows: PlanRows) -> MapFrame {
+        MapFrame::Floor { plane: self.plane(), mm_per_px: self.mm_per_px(), rows }
     }
 
     /// Whether there can be such a plan; `option` is the one that gives the floor's Z.

@@ -157,7 +157,7 @@ impl TableOptions<'_> {
             let plane = floor.plane();
             let (field, errors) = table.field(|ray| plane.meets(ray));
             let beyond = floor.beyond();
-            let plan = sight.map(floor.frame(), (&field, pole), |ray| beyond.meets(ray));
+            let plan = sight.map(floor.map(), (&field, pole), |ray| beyond.meets(ray));
             let facts = FloorFacts {
                 z_mm: plane.z_mm,
                 range_mm: plane.range_mm,

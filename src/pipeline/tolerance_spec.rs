@@ -28,15 +28,24 @@ pub(crate) struct PreparedStudy {
 /// # Errors
 /// [`enum@Error`] when it has no answer, no projection, or a form error that is none of its mirror.
 pub(crate) fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
-    let profile = run.profile;
     let design = run.design()?;
-    let map = map(run.profile, &design.mirror)?;
+    let (engine, facets_from) = engine(run, &design)?;
+    Ok(PreparedStudy { design, engine, facets_from })
+}
+
+/// The engine that traces what the profile asks of its design, and the origin of the facets' limit, if they are a source.
+///
+/// # Errors
+/// [`enum@Error`] when there is no projection, or a form error that is none of the mirror.
+pub(super) fn engine(run: &Run, design: &Design) -> Result<(Engine, Option<FacetsFrom>), Error> {
+    let profile = run.profile;
+    let map = map(profile, &design.mirror)?;
     let name = || profile.name.clone();
     let view = design
         .view
         .as_ref()
         .ok_or_else(|| Error::NoProjection { work: "tolerance", profile: name() })?;
-    let meshed = meshed(profile, &design)?;
+    let meshed = meshed(profile, design)?;
     let round = matches!(design.mirror.outline, Outline::Ring { .. });
     let telecentric = design.camera.chart.vergence == 0.0;
     let asked =
@@ -53,7 +62,7 @@ pub(crate) fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
         let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");
         Ok((engine, note))
     })?;
-    Ok(PreparedStudy { design, engine, facets_from })
+    Ok((engine, facets_from))
 }
 
 /// The measured form error that the profile names, which must cover the mirror.

@@ -3,7 +3,7 @@
 use super::mounted_system::MountedSystem;
 use super::pose::KnownErrors;
 use super::run::{Command, Run};
-use super::tolerance_spec::{PreparedStudy, prepared};
+use super::tolerance_spec::engine;
 use super::unwrap_picture::{FramedPicture, UnwrapPicture};
 use super::{Error, PhotoError, Stage};
 use crate::design::Design;
@@ -16,7 +16,6 @@ use crate::results::{
     FileFacts, GroundFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport,
     ViewFacts,
 };
-use crate::tolerance::Engine;
 use crate::unwrap::{ImagingSystem, Panorama, RemapTable, UnwrapError, crop_panels};
 use std::path::Path;
 
@@ -92,18 +91,14 @@ impl Command for Unwrap<'_> {
             Ok((photo, note))
         })?;
         let pose = self.pose().map(KnownErrors::read).transpose()?;
-        let (design, engine) = self.prepared(run)?;
+        let design = run.design()?;
         let Design { mirror, camera, view: Some(view), .. } = &design else {
             return Err(no_projection(run.profile));
         };
         let optics = ImagingSystem { mirror, camera, view };
         let size = [photo.width, photo.height];
         let scale = optics.scale(size).map_err(|source| self.unfit(source))?;
-        let made = run.stage(Stage::Picture, || {
-            let made = self.unwrapped((&optics, engine.as_ref()), pose.as_ref(), &photo)?;
-            let note = format!("{} x {} pixels", made.picture.width, made.picture.height);
-            Ok((made, note))
-        })?;
+        let made = self.unwrapped(run, (&design, &optics), pose.as_ref(), &photo)?;
         let files = self.written(run, &made)?;
         let UnwrappedPhoto { framed, map, .. } = made;
         let mut report = UnwrapReport {
@@ -153,58 +148,65 @@ impl Unwrap<'_> {
             .map_err(|source| PhotoError::Picture { photo: self.name(), source }.into())
     }
 
-    /// The design, and where places are found by traced rays the engine that does so: of a floor, of a system as mounted, and of panels,
-    /// each of which has a projection of its own.
-    fn prepared(&self, run: &Run) -> Result<(Design, Option<Engine>), Error> {
-        let UnwrapOptions::Remap { picture, pose, .. } = self.options else {
-            return Ok((run.design()?, None));
-        };
-        let is_traced = match picture {
-            _ if pose.is_some() => true,
-            UnwrapPicture::Panorama { .. } => false,
-            UnwrapPicture::View { .. } => {
-                matches!(run.profile.projection, Some(ProjectionSpec::Panels(_)))
-            }
-            UnwrapPicture::Ground { .. } => true,
-        };
-        if !is_traced {
-            return Ok((run.design()?, None));
-        }
-        let PreparedStudy { design, engine, .. } = prepared(run)?;
-        Ok((design, Some(engine)))
-    }
-
     fn unwrapped(
         &self,
-        (optics, engine): (&ImagingSystem, Option<&Engine>),
+        run: &Run,
+        (design, optics): (&Design, &ImagingSystem),
         pose: Option<&KnownErrors>,
         photo: &Raster,
     ) -> Result<UnwrappedPhoto, Error> {
         let unfit = |source| self.unfit(source);
+        let size = [photo.width, photo.height];
+        let painted = |framed: FramedPicture, map: RemapTable| {
+            self.check_seen(&framed, &map)?;
+            Ok(UnwrappedPhoto { picture: map.paint(photo), framed, map: Some(map) })
+        };
         let UnwrapOptions::Remap { picture, .. } = self.options else {
-            let (picture, panorama) = crop_panels(optics, photo).map_err(unfit)?;
-            return Ok(UnwrappedPhoto {
-                framed: FramedPicture::Panorama(panorama),
-                picture,
-                map: None,
+            return self.picture_stage(run, || {
+                let (picture, panorama) = crop_panels(optics, photo).map_err(unfit)?;
+                let framed = FramedPicture::Panorama(panorama);
+                Ok(UnwrappedPhoto { framed, picture, map: None })
             });
         };
-        let size = [photo.width, photo.height];
         let framed = picture.framed(optics, size).map_err(unfit)?;
-        let map = match engine {
-            None => framed.designed(optics, size),
-            Some(engine) => {
-                let errors = pose.map_or(&[][..], |pose| &pose.errors);
-                let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
-                let is_mounted = pose.is_some();
-                let camera = optics.camera;
-                let sight = MountedSystem { engine, camera, made: &made, is_mounted };
-                framed.mounted(optics, &sight, size)
-            }
-        };
-        let map = map.map_err(unfit)?;
-        self.check_seen(&framed, &map)?;
-        Ok(UnwrappedPhoto { picture: map.paint(photo), framed, map: Some(map) })
+        if let (Some(directions), true) = (framed.directions(), self.is_inverted(run.profile)) {
+            return self.picture_stage(run, || {
+                let map = RemapTable::new(optics, directions, size).map_err(unfit)?;
+                painted(framed.clone(), map)
+            });
+        }
+        let (engine, _) = engine(run, design)?;
+        self.picture_stage(run, || {
+            let errors = pose.map_or(&[][..], |pose| &pose.errors);
+            let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
+            let sight = MountedSystem {
+                engine: &engine,
+                camera: optics.camera,
+                made: &made,
+                is_mounted: pose.is_some(),
+            };
+            let map = framed.mounted(optics, &sight, size).map_err(unfit)?;
+            painted(framed.clone(), map)
+        })
+    }
+
+    /// Whether the places of directions are found by the inverse of the designed mirror: not those of a system as mounted, nor of panels,
+    /// each of which has a projection of its own.
+    fn is_inverted(&self, profile: &Profile) -> bool {
+        let is_panels = matches!(profile.projection, Some(ProjectionSpec::Panels(_)));
+        self.pose().is_none() && !is_panels
+    }
+
+    fn picture_stage(
+        &self,
+        run: &Run,
+        made: impl FnOnce() -> Result<UnwrappedPhoto, Error>,
+    ) -> Result<UnwrappedPhoto, Error> {
+        run.stage(Stage::Picture, || {
+            let made = made()?;
+            let note = format!("{} x {} pixels", made.picture.width, made.picture.height);
+            Ok((made, note))
+        })
     }
 
     /// Refuses a view or a plan of which the photo shows nothing.
@@ -288,7 +290,8 @@ impl Unwrap<'_> {
                     height_mm: floor.z_mm,
                     range_mm: floor.plane().range_mm,
                     mm_per_px: floor.mm_per_px(),
-                    corner_mm: floor.frame().corner(),
+                    corner_mm: floor.seen_from_mirror().corner(),
+                    row_mm: floor.row_seen_mm(),
                 });
             }
         }

@@ -39,7 +39,7 @@ pub enum UnwrapPicture {
         /// Pixels down; three quarters of those across without it.
         height: Option<usize>,
     },
-    /// A floor from above: X to the right, Y up, the axis in the middle.
+    /// A floor as seen from the mirror: X to the right, the axis in the middle, Y up for a floor at negative Z and down at positive Z.
     Ground {
         /// Z of the floor in the part's frame, mm.
         height_mm: f64,
@@ -144,27 +144,16 @@ impl FramedPicture {
         match self {
             Self::Panorama(panorama) => panorama.size,
             Self::View(_, view) => view.size(),
-            Self::Ground(floor) => floor.frame().size(),
+            Self::Ground(floor) => floor.seen_from_mirror().size(),
         }
     }
 
-    /// The table of a picture of directions for photos of `photo` pixels through the designed mirror. Of a floor it shows nothing: the
-    /// projection knows directions alone.
-    ///
-    /// # Errors
-    /// [`UnwrapError::Aspect`].
-    pub(super) fn designed(
-        &self,
-        optics: &ImagingSystem,
-        photo: [usize; 2],
-    ) -> Result<RemapTable, UnwrapError> {
+    /// The picture as one of directions; none of a floor, whose places are not at infinity.
+    pub(super) fn directions(&self) -> Option<&dyn DirectionPicture> {
         match self {
-            Self::Panorama(panorama) => RemapTable::new(optics, panorama, photo),
-            Self::View(_, view) => RemapTable::new(optics, view, photo),
-            Self::Ground(_) => {
-                let size @ [width, height] = self.size();
-                RemapTable::of_places(optics, (size, &vec![None; width * height]), photo)
-            }
+            Self::Panorama(panorama) => Some(panorama),
+            Self::View(_, view) => Some(view),
+            Self::Ground(_) => None,
         }
     }
 
@@ -215,7 +204,7 @@ fn directed(
 
 /// Places of the sensor, px, that show those of a floor.
 fn placed(floor: &FloorPlan, sight: &MountedSystem) -> Vec<Option<[f64; 2]>> {
-    let (plan, plane) = (floor.frame(), floor.plane());
+    let (plan, plane) = (floor.seen_from_mirror(), floor.plane());
     let [width, height] = plan.size();
     let told = FloorPlane { range_mm: BEYOND * plane.range_mm, ..plane };
     let (field, _) = sight.traced(grid(sight)).field(FINE_STEPS, |ray| told.meets(ray));

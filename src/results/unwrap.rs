@@ -88,6 +88,8 @@ pub struct GroundFacts {
     pub mm_per_px: f64,
     /// X and Y of the upper left corner, mm.
     pub corner_mm: [f64; 2],
+    /// Y of a row less that of the row above it, mm: less than 0 where Y is up.
+    pub row_mm: f64,
 }
 
 /// A table of places.

@@ -38,7 +38,7 @@ impl RemapTable {
     /// [`UnwrapError::Aspect`].
     pub fn new(
         optics: &ImagingSystem,
-        picture: &impl DirectionPicture,
+        picture: &dyn DirectionPicture,
         photo: [usize; 2],
     ) -> Result<Self, UnwrapError> {
         let scale = optics.scale(photo)?;

@@ -184,10 +184,12 @@ def ground(mirror):
     scale = ["--mm-per-px", mirror.mm_per_px, "--range-mm", mirror.range_mm]
     altered, _, _ = mirror.unwrapped(photo, "ground", "--ground", 1.02 * mirror.z_mm, *scale)
     light, places, report = mirror.unwrapped(photo, "ground", "--ground", mirror.z_mm, *scale)
-    left, top = report["ground"]["corner_mm"]
+    corner, step = report["ground"]["corner_mm"], [report["ground"]["mm_per_px"], report["ground"]["row_mm"]]
+    # As seen from the mirror: along Z rows go down with Y.
+    assert step[1] * mirror.z_mm > 0, step
 
     def at(corners):
-        return np.column_stack([corners[:, 0] - left, top - corners[:, 1]]) / report["ground"]["mm_per_px"] - 0.5
+        return (corners[:, :2] - corner) / step - 0.5
 
     return judged("ground", (light, places, corners), altered, at, sides)
 

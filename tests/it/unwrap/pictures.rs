@@ -88,7 +88,8 @@ fn plan(z_mm: f64, range_mm: f64, mm_per_px: f64) -> Belongs {
         let way = (z_mm - from.z) / direction.z;
         let at = from + way * direction;
         let middle = (range_mm / mm_per_px).round();
-        let on = DVec2::new(middle + at.x / mm_per_px, middle - at.y / mm_per_px);
+        // Seen from the mirror, rows go down with Y along Z.
+        let on = DVec2::new(middle + at.x / mm_per_px, middle + z_mm.signum() * at.y / mm_per_px);
         (way > 0.0 && at.truncate().length() < range_mm).then_some(on)
     })
 }
