@@ -5,7 +5,6 @@ use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ThinnedFrame};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -20,7 +19,8 @@ pub struct FormMap {
 }
 
 /// Statistics of the departures: peak to valley, RMS and extremes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FormStatistics {
     /// Highest less lowest.
     pub pv: f64,
@@ -33,7 +33,8 @@ pub struct FormStatistics {
 }
 
 /// Form error of a part, um, with and without outliers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FormError {
     /// Over all pixels.
     #[serde(flatten)]

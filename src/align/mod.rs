@@ -28,7 +28,6 @@ use crate::mirror::Mirror;
 use coarse_search::coarse_search;
 use normal_equations::{AlignmentResidual, GaussNewtonStep, NormalEquations, biweight, residuals};
 use reference_surface::ReferenceSurface;
-use schemars::JsonSchema;
 use serde::Serialize;
 use thiserror::Error;
 use vertex_patch::{is_upside_down, patches};
@@ -60,14 +59,15 @@ pub struct Alignment {
 }
 
 /// A motion that the mirror's shape does not determine: it moves the surface along itself.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FreeMotion {
     /// Along this unit vector, or about an axis along it.
-    #[schemars(with = "[f64; 3]")]
+    #[cfg_attr(test, schemars(with = "[f64; 3]"))]
     pub direction: DVec3,
     /// A place on that axis, mm; none for a shift.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<[f64; 3]>")]
+    #[cfg_attr(test, schemars(with = "Option<[f64; 3]>"))]
     pub through_mm: Option<DVec3>,
 }
 

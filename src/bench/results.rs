@@ -4,13 +4,13 @@ use crate::num::rounding::significant;
 use crate::num::{exp, log};
 use crate::report::{Answer, AnswerRows, Head, ToRows};
 use crate::results::digits;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// One run: what a setting costs, and how far from the truth it leaves the result.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BenchRun {
     /// Profile.
     pub profile: String,
@@ -21,32 +21,34 @@ pub struct BenchRun {
     /// Run time, or time on the machine, ms.
     pub time_ms: f64,
     /// The error, in the unit of its sweep.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub error: f64,
     /// Whether no other run of its curves' profile is both faster and nearer.
     pub pareto: bool,
     /// More figures, with their units in the keys.
-    #[schemars(with = "BTreeMap<String, Option<f64>>")]
+    #[cfg_attr(test, schemars(with = "BTreeMap<String, Option<f64>>"))]
     pub figures: BTreeMap<&'static str, f64>,
 }
 
 /// How one quantity goes with another, y ~ x^p within each curve.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ConvergenceOrder {
     /// The two quantities, as y against x.
     pub of: &'static str,
     /// Exponent p, fitted to all curves at once.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub order: f64,
     /// Standard error of the exponent.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub sigma: f64,
     /// Exponent by theory.
     pub theory: f64,
 }
 
 /// What takes the time of a sweep's runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum BenchTime {
     /// This program.
@@ -76,7 +78,8 @@ impl BenchTime {
 }
 
 /// Runs that differ in one setting.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BenchSweep {
     /// File name without ending.
     pub name: &'static str,
@@ -98,7 +101,8 @@ pub struct BenchSweep {
 }
 
 /// The cheapest settings that reach a pixel error.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Suggestion {
     /// Profile.
     pub profile: String,
@@ -113,7 +117,8 @@ pub struct Suggestion {
 }
 
 /// Settings of a profile, and what came of them.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SuggestedSettings {
     /// Method.
     pub method: String,
@@ -134,7 +139,8 @@ pub struct SuggestedSettings {
 }
 
 /// The ball and lines that mill the mirror of a profile in the least time on the machine.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SuggestedProgram {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
@@ -154,7 +160,8 @@ pub struct SuggestedProgram {
 pub const SCHEMA: u32 = 2;
 
 /// Run times against errors, setting by setting: `bench.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BenchReport {
     /// Version of these keys.
     pub schema: u32,

@@ -252,7 +252,7 @@ impl Terminal {
     /// Prints the JSON Schema of an output, or lists the outputs.
     fn schema(&self, args: &SchemaArgs) -> Result<u8, CommandFailure> {
         if let Some(name) = &args.name {
-            print(&schemas::named(name)?)?;
+            print(schemas::named(name)?)?;
             return Ok(PASSED);
         }
         let columns = columns(&std::io::stdout());

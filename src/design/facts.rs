@@ -11,7 +11,6 @@ use crate::num::stats::{Summary, or_null, unless_null};
 use crate::num::units::Mm;
 use crate::optics::{Camera, CurlBounds, ImagingTask, Projection, reflect};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
@@ -19,25 +18,27 @@ use serde::{Deserialize, Serialize, Serializer};
 pub(super) const SAMPLES: usize = 200;
 
 /// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CurlFacts {
     /// Area-weighted root mean square.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub rms: f64,
     /// Largest magnitude.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub max: f64,
     /// Largest condition: factor from relative errors of the field's derivatives to errors of the curl, the
     /// sum of the derivatives' magnitudes.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub condition: f64,
     /// Proven bound of the curl's rounding error, by intervals.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub rounding: f64,
 }
 
 /// Samples of a picture that is given as data.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapFacts {
     /// Columns and rows.
     pub samples: [usize; 2],
@@ -56,7 +57,8 @@ impl MapFacts {
 }
 
 /// Lines between panels, which a lens with distortion bends in the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DividingLineFacts {
     /// Largest distance in the frame of a line between panels from the edge between pixels that the profile names, pixels:
     /// what lies between both belongs to the neighbour.
@@ -67,7 +69,8 @@ pub struct DividingLineFacts {
 const NO_ERROR: FailureCause = FailureCause::NotFinite { what: "image error" };
 
 /// Figures of merit of a design.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DesignFacts {
     /// Name of the method, as in the profile, or "given".
     pub method: String,
@@ -86,15 +89,15 @@ pub struct DesignFacts {
     pub gradient_residual: Option<f64>,
     /// Whether an exact mirror exists.
     #[serde(serialize_with = "curl_or_null", deserialize_with = "unless_null")]
-    #[schemars(with = "CurlFacts")]
+    #[cfg_attr(test, schemars(with = "CurlFacts"))]
     pub curl: Option<CurlFacts>,
     /// Angle between the direction seen and the direction wanted, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub ray_error_mrad: Option<Summary>,
     /// Ray error carried back to the image, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub pixel_error_px: Option<Summary>,
     /// The least error that any single mirror has; absent without a projection.
     #[serde(default, skip_serializing_if = "Option::is_none")]

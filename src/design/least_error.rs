@@ -18,7 +18,6 @@ use crate::num::degrees;
 use crate::optics::{Camera, ImagingTask, Projection};
 use crate::parallel;
 use glam::DMat2;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -30,7 +29,8 @@ pub const SQUARE: f64 = 0.1;
 const PARTS: usize = 3;
 
 /// The least error that any single mirror without steps has, to first order in the error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LeastError {
     /// Root mean square of the pixel error over the picture, pixels: that of every mirror is larger.
     pub pixel_rms_px: f64,
@@ -42,7 +42,8 @@ pub struct LeastError {
 }
 
 /// The ninth of the picture (a third of its width and height) that is the farthest from the slopes of a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct WorstPart {
     /// Column and row of the ninth, from 0, from the picture's left and top.
     pub part: [usize; 2],

@@ -9,11 +9,11 @@ use crate::geom::{Border, DVec3};
 use crate::mirror::Mirror;
 use crate::num::{acos, degrees};
 use crate::optics::{Camera, ImagingTask, Target};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Places and sizes in the part's frame, mm.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Mounting {
     /// Entrance pupil of the lens; none for a telecentric camera.
     pub pupil_mm: Option<[f64; 3]>,

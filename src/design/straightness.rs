@@ -5,7 +5,6 @@ use crate::geom::{DVec2, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Lines along the frame's rows, and as many along its columns: its edges and middle are among them.
@@ -22,7 +21,8 @@ const FOUND_PX: f64 = 1e-9;
 /// images would be rows, columns and the diagonals of the frame, where the mirror shows them.
 ///
 /// The departure of a line is the largest distance of its image from the chord through the ends of what is seen of it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Straightness {
     /// Largest departure, px.
     pub departure_px: f64,

@@ -3,7 +3,6 @@
 use crate::geom::DVec2;
 use crate::mirror::{LocalSurface, Mirror};
 use crate::optics::Camera;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Whether a ball that touches the mirror at `place` stays on its own side of the ridge of a folded
@@ -22,7 +21,8 @@ fn ridge_clearance(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
 
 /// What the ball leaves of the valley of a folded mirror: a hollow edge becomes a fillet of the ball's
 /// radius between the places where it touches both panels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Fillet {
     /// Width where it is widest, in the plan, mm.
     pub width_max_mm: f64,

@@ -8,7 +8,6 @@ use crate::num::stats::Summary;
 use crate::num::{Arithmetic, Dual, degrees, radians};
 use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// About how many pixels are looked at.
@@ -19,7 +18,8 @@ const DIRECTIONS: usize = 180;
 const SAME: f64 = 1e-3;
 
 /// A number and where it is reached.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Extreme {
     /// The number, in the unit of its key.
     pub value: f64,
@@ -28,22 +28,23 @@ pub struct Extreme {
 }
 
 /// What a raster leaves on the unpolished face.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ScallopFigures {
     /// Highest scallop, square to the mirror, um.
-    #[schemars(with = "Option<Extreme>")]
+    #[cfg_attr(test, schemars(with = "Option<Extreme>"))]
     pub scallop_um: Extreme,
     /// Error of the slope in the plan, root of the mean square over the pixels; no number without any.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub slope_rms: f64,
     /// Its largest value.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub slope_max: f64,
     /// Pixels that were looked at and see a place that the ball touches.
-    #[schemars(with = "Option<usize>")]
+    #[cfg_attr(test, schemars(with = "Option<usize>"))]
     pub pixels: usize,
     /// Those of them whose image moves by no finite number of pixels, which are left out of the pixel error.
-    #[schemars(with = "Option<usize>")]
+    #[cfg_attr(test, schemars(with = "Option<usize>"))]
     pub pixels_unbounded: usize,
     /// How far scallops displace the image, pixels; none without a projection. P95 and RMS are over the
     /// pixels and over the scallops' slopes in each.
@@ -51,7 +52,8 @@ pub struct ScallopFigures {
 }
 
 /// The best direction of a raster by one measure.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RasterDirection {
     /// From X towards Y, degrees in 0..180.
     pub angle_deg: f64,

@@ -3,11 +3,11 @@
 use super::motions::Pace;
 use crate::num::rounding::significant;
 use crate::profile::{MachineSpec, ProgramSpec, StockMaterial};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Speed of the spindle and feeds of a cutter.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Speeds {
     /// Speed of the spindle, 1/min.
     pub spindle_rpm: f64,

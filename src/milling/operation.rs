@@ -13,7 +13,6 @@ use crate::machining::{
 };
 use crate::mirror::Mirror;
 use crate::profile::{CutterLengths, ProgramSpec};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Stepover of roughing over the ball's radius: 40 % of its diameter.
@@ -69,7 +68,8 @@ pub struct Operation {
 }
 
 /// Kind of an operation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OperationKind {
     /// Levels, from the stock's top down.

@@ -4,11 +4,11 @@ use super::Mirror;
 use crate::geom::{DVec2, DVec3, Outline, angle};
 use crate::num::least_squares::solve;
 use nalgebra::{DMatrix, DVector};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The sphere and the plane nearest to a mirror, and how far off they are.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Form {
     /// The sphere.
     pub sphere: BestFitSphere,
@@ -17,7 +17,8 @@ pub struct Form {
 }
 
 /// A sphere that fits best: the squared distances from it sum to the least.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BestFitSphere {
     /// Radius of curvature, mm, with the sign of a sag's formula, as of the profile's conics: positive
     /// where the centre lies on the camera's side (a hollow mirror), negative for a dome; none where
@@ -36,7 +37,8 @@ pub struct BestFitSphere {
 }
 
 /// A plane Z = a + b X + c Y that fits best: the squared distances along Z sum to the least.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BestFitPlane {
     /// Z on the axis, mm.
     pub height_mm: f64,
@@ -48,7 +50,8 @@ pub struct BestFitPlane {
 }
 
 /// How far a mirror is from a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Departure {
     /// From the lowest to the highest place, along Z, mm; none where the mirror is wider than the
     /// sphere.

@@ -1,20 +1,20 @@
 //! Summaries of error samples, summed in a fixed order.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// RMS, 95th percentile and maximum of an error, in the error's own unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Summary {
     /// Root of the (weighted) mean square.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub rms: f64,
     /// The value that 95 % of the weight does not exceed.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub p95: f64,
     /// The largest sample.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub max: f64,
 }
 
@@ -70,8 +70,9 @@ pub fn or_null<S: Serializer>(summary: &Option<Summary>, serializer: S) -> Resul
 
 /// The JSON Schema of a figure that may be absent and, where it is there, may be infinite, which JSON writes as
 /// null.
-pub fn finite_or_null(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({ "anyOf": [{ "type": "number" }, { "type": "null" }] })
+#[cfg(test)]
+pub fn finite_or_null(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    schemars::json_schema!({ "anyOf": [{ "type": "number" }, { "type": "null" }] })
 }
 
 /// Reads what [`or_null`] and its like wrote: nothing where a key is null.

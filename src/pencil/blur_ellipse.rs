@@ -2,7 +2,6 @@
 
 use super::Pencil;
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Pixels that the first search for the best focus looks at, its steps, and those of the second.
@@ -84,16 +83,17 @@ impl BlurEllipse {
 }
 
 /// Median, 95th percentile and maximum.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Quantiles {
     /// The value that half of the samples do not exceed.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub p50: f64,
     /// The value that 95 % of them do not exceed.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub p95: f64,
     /// The largest.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub max: f64,
 }
 

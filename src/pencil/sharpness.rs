@@ -4,7 +4,6 @@
 use super::BlurEllipse;
 use super::blur_ellipse::{Quantiles, quantiles};
 use crate::num::{acos, j1, sin};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -24,7 +23,8 @@ pub struct Sharpness {
 }
 
 /// Blur and contrast through one aperture.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ApertureSharpness {
     /// Full length of a pixel's blur ellipse that 95 % of the pixels do not exceed, px.
     pub geometric_px: f64,

@@ -5,7 +5,6 @@ use crate::profile::FileFormat;
 use crate::profile::Profile;
 use crate::publish::HashingWriter;
 use crate::results::BuildReport;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -36,7 +35,8 @@ impl BuildRecord {
 }
 
 /// `timings.json`: run times and work of a build, and what the next one compares.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BuildTimings {
     /// SHA-256 of all that the files of the build depend on, hexadecimal.
     pub inputs: String,
@@ -49,7 +49,8 @@ pub struct BuildTimings {
 
 /// A file as it was published. One of the same length and time of change is taken for the same, as
 /// `make` does.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Output {
     /// Name in its folder.
     pub name: String,

@@ -2,7 +2,6 @@
 
 use crate::tolerance;
 use crate::trace::TraceCounts;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -96,7 +95,8 @@ pub struct Silent;
 impl Observer for Silent {}
 
 /// What a stage did of one kind, and what it could leave undone.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Work {
     /// Name of the stage.
     pub stage: String,
@@ -111,7 +111,8 @@ pub struct Work {
 }
 
 /// Run times of a command: `tolerance-timings.json`, and the part of `timings.json` that every build has.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Timings {
     /// Run time of each stage that ran, s.
     pub seconds: BTreeMap<&'static str, f64>,

@@ -1,7 +1,6 @@
 //! Acceptance limits of a finished mirror: those of the profile, and usual ones in their place.
 
 use super::{Layout, Profile};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The limits that a profile names; a usual one stands in for each that is absent.
@@ -18,7 +17,8 @@ pub struct AcceptanceSpec {
 }
 
 /// A limit, and whether it stands there because the profile names none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AcceptanceLimit {
     /// The limit, in the unit of its key.
     pub value: f64,
@@ -27,7 +27,8 @@ pub struct AcceptanceLimit {
 }
 
 /// The limits that a mirror with a projection is held to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AcceptanceLimits {
     /// Root-mean-square pixel error, in pixels.
     pub pixel_error_rms_px: AcceptanceLimit,

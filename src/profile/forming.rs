@@ -1,6 +1,5 @@
 //! A tool in the place of the part: the mould or mandrel on which a sheet is formed, or that a resin is cast in.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A forming tool, and the sheet that is formed on it.
@@ -23,7 +22,8 @@ pub struct FormingSpec {
 }
 
 /// Form of a tool.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ToolForm {
     /// The negative: its face is on the camera's side of the mirror.
@@ -33,7 +33,8 @@ pub enum ToolForm {
 }
 
 /// Side of a formed sheet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MirrorSide {
     /// The side that lies on the tool.

@@ -32,7 +32,6 @@ mod words;
 
 use crate::geom::{ScanPattern, TriMesh};
 use crate::optics::{CameraModel, Mount};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
@@ -164,7 +163,8 @@ impl LensSpec {
 }
 
 /// Aperture of a lens.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Aperture {
     /// The diameter of a pinhole camera's entrance pupil.

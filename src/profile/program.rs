@@ -1,6 +1,5 @@
 //! How the mirror is milled: `[program]`, with usual values in place of what is absent.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How the mirror is milled by ball cutters on three axes.
@@ -102,7 +101,8 @@ pub struct MachineSpec {
 }
 
 /// What the stock is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum StockMaterial {
     /// Wrought alloys.
@@ -116,7 +116,8 @@ pub enum StockMaterial {
 }
 
 /// What a control reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MillControl {
     /// LinuxCNC.

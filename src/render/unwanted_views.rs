@@ -6,7 +6,6 @@ use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::degrees;
 use crate::optics::{ImagingTask, ThinnedFrame};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Most columns of places that are looked at.
@@ -15,7 +14,8 @@ const COLUMNS: u32 = 200;
 const HALVINGS: usize = 40;
 
 /// What the smooth mirror of a design shows that nobody asks for. Shadows and second reflections are the witness's.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct UnwantedViews {
     /// Share of the picture that is reversed against what is wanted: what it shows is seen again beside it.
     pub seen_twice: f64,
@@ -24,7 +24,8 @@ pub struct UnwantedViews {
 }
 
 /// The reflected ray that is nearest to the way on which its camera ray came.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OwnCamera {
     /// Column and row of its image point, pixels from the upper left corner of the frame.
     pub pixel: [f64; 2],

@@ -3,11 +3,11 @@
 use super::ProfileId;
 use crate::design::LeastError;
 use crate::profile::AcceptanceLimits;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A valid profile, and what no single mirror can do better: the answer of `morion check`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProfileCheck {
     /// Name and fingerprint of the profile.
     #[serde(flatten)]
@@ -28,7 +28,8 @@ pub struct ProfileCheck {
 }
 
 /// A change of one key of a profile, and the least error after it.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LesserErrorFacts {
     /// The change, in words.
     pub change: String,
@@ -37,7 +38,8 @@ pub struct LesserErrorFacts {
 }
 
 /// A shipped profile: a line of `morion profiles`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ShippedProfile {
     /// Its name.
     pub name: String,
@@ -46,7 +48,8 @@ pub struct ShippedProfile {
 }
 
 /// The trials of a part of a run: the answer of `morion tolerance --part`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PartTrials {
     /// Path of the file that holds them.
     pub part: String,
@@ -55,7 +58,8 @@ pub struct PartTrials {
 }
 
 /// A JSON output of the program: a line of `morion schema`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct NamedOutput {
     /// Name by which `morion schema NAME` prints its JSON Schema.
     pub name: &'static str,
@@ -66,14 +70,16 @@ pub struct NamedOutput {
 }
 
 /// Why a command could not be done: a line on standard output for each error.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ErrorLine {
     /// The error.
     pub error: ToldError,
 }
 
 /// An error, as far as its place is known.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ToldError {
     /// Profile with the fault, as it was named; null where the error is about no profile's text.
     pub file: Option<String>,

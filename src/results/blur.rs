@@ -2,14 +2,15 @@
 
 use super::ProfileId;
 use super::SharpnessFacts;
+#[cfg(test)]
 use crate::num::stats::finite_or_null;
 use crate::pencil::Quantiles;
 use crate::profile::Aperture;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Blur of a mirror through an open lens: `blur.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BlurReport {
     /// Version of these keys.
     pub schema: u32,
@@ -35,19 +36,21 @@ pub struct BlurReport {
 }
 
 /// The plane in focus, across the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FocusPlane {
     /// Its Z in the part frame, mm; null infinitely far away.
-    #[schemars(with = "Option<f64>")]
+    #[cfg_attr(test, schemars(with = "Option<f64>"))]
     pub z_mm: f64,
     /// Its distance from the entrance pupil, mm; null infinitely far away, absent of a telecentric camera.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(schema_with = "finite_or_null")]
+    #[cfg_attr(test, schemars(schema_with = "finite_or_null"))]
     pub distance_mm: Option<f64>,
 }
 
 /// Blur with one focus.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SpotFacts {
     /// The plane in focus.
     pub focus: FocusPlane,
@@ -60,7 +63,8 @@ pub struct SpotFacts {
 }
 
 /// Where the virtual images lie.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct VirtualImages {
     /// The farthest from the camera and the nearest line image of any pixel.
     pub range: [FocusPlane; 2],

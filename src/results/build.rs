@@ -13,11 +13,11 @@ use crate::mirror::Form;
 use crate::profile::AcceptanceLimits;
 use crate::render::UnwantedViews;
 use crate::trace::FrameFill;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Results of a build, in the shape of `report.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BuildReport {
     /// Version of these keys.
     pub schema: u32,
@@ -79,7 +79,8 @@ pub struct BuildReport {
 }
 
 /// Results of the verification of a file of unknown making, in the shape of `report.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct VerifyReport {
     /// Version of these keys.
     pub schema: u32,

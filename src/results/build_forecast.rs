@@ -1,11 +1,11 @@
 //! What a build would make, foreseen without making it.
 
 use super::{ProfileId, SCHEMA};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What a build of one profile would come to. Numbers are forecasts.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BuildForecast {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
@@ -24,7 +24,8 @@ pub struct BuildForecast {
 }
 
 /// The mesh that is foreseen.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MeshForecast {
     /// Facets of the optical face.
     pub optical_triangles: usize,
@@ -40,7 +41,8 @@ pub struct MeshForecast {
 }
 
 /// A limit asked for, and what is foreseen for a number of triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ForecastLimit {
     /// Limit asked for; null where the profile sets none.
     pub limit: Option<f64>,
@@ -49,7 +51,8 @@ pub struct ForecastLimit {
 }
 
 /// A mesh file that is foreseen.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FileForecast {
     /// Name in the output folder.
     pub name: String,

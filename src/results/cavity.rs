@@ -2,11 +2,11 @@
 
 use crate::design::Design;
 use crate::geom::Hole;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The cavity of a hollow part.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CavityFacts {
     /// Least thickness of the material around it, mm: of base and walls, and square to the mirror.
     pub wall_mm: f64,
@@ -21,7 +21,8 @@ pub struct CavityFacts {
 }
 
 /// A drain of a cavity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DrainFacts {
     /// X and Y of its axis, mm.
     pub at_mm: [f64; 2],

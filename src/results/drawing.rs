@@ -1,11 +1,11 @@
 //! The figures of a drawing of the part.
 
 use super::{FileFacts, PmiFacts, ProfileId};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A drawing of the part, in the shape of `drawing.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DrawingReport {
     /// Version of these keys.
     pub schema: u32,
@@ -19,7 +19,8 @@ pub struct DrawingReport {
 }
 
 /// Every figure of a drawing.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DrawingFacts {
     /// Its paper.
     pub paper: String,
@@ -73,7 +74,8 @@ pub struct DrawingFacts {
 }
 
 /// A hole or mark of the part, as a drawing has it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DrawnFeature {
     /// Its number, after `H` for a hole and `M` for a mark.
     pub name: String,

@@ -4,14 +4,14 @@ use crate::num::stats::{Summary, or_null, unless_null};
 use crate::profile::Profile;
 use crate::publish::sha256;
 use crate::solid::SolidCheck;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the report's schema: keys may be added, never changed.
 pub const SCHEMA: u32 = 1;
 
 /// Name and fingerprint of a profile.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProfileId {
     /// Name of the profile.
     pub name: String,
@@ -26,7 +26,8 @@ impl From<&Profile> for ProfileId {
 }
 
 /// Pass or fail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The part does what the profile asks.
@@ -47,7 +48,8 @@ impl Verdict {
 }
 
 /// A file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FileFacts {
     /// Name in the output folder.
     pub name: String,
@@ -73,7 +75,8 @@ impl FileFacts {
 }
 
 /// A limit asked for and the bound proven.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Limited {
     /// Limit asked for; null where the profile sets none.
     pub limit: Option<f64>,
@@ -83,7 +86,8 @@ pub struct Limited {
 
 /// Numbers of triangles over the least possible, for the limits that are set; none where the mirror
 /// bends in one direction alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OverOptimum {
     /// Triangles over the least number for the chord limit.
     pub chord: Option<f64>,
@@ -92,7 +96,8 @@ pub struct OverOptimum {
 }
 
 /// What the mesh reached.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MeshFacts {
     /// Facets of the optical face.
     pub optical_triangles: usize,
@@ -114,7 +119,8 @@ pub struct MeshFacts {
 }
 
 /// The check of a solid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SolidFacts {
     /// What was found.
     #[serde(flatten)]
@@ -134,7 +140,8 @@ impl SolidFacts {
 }
 
 /// What a sag table holds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SagFacts {
     /// Rows of X, Y, Z and normal.
     pub rows: usize,
@@ -145,7 +152,8 @@ pub struct SagFacts {
 }
 
 /// The splines of a STEP file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct StepFacts {
     /// Largest distance from the design, nm.
     pub fit_error_nm: f64,
@@ -160,7 +168,8 @@ pub struct StepFacts {
 }
 
 /// Product and manufacturing information of a part: what it is measured from, and how far its mirror may be off.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PmiFacts {
     /// Datum features, each with its letter.
     pub datums: Vec<String>,
@@ -174,7 +183,8 @@ pub struct PmiFacts {
 }
 
 /// A STEP file as it was read back: one closed solid of curved faces, beside the design.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct StepBodyFacts {
     /// Number of faces.
     pub faces: usize,
@@ -193,7 +203,8 @@ pub struct StepBodyFacts {
 }
 
 /// What the witness saw in one file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TraceFacts {
     /// Name in the output folder.
     pub file: String,
@@ -227,7 +238,8 @@ fn is_zero(count: &usize) -> bool {
 }
 
 /// A vertex and how far it is from where the part has its surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct VertexFacts {
     /// X, Y and Z of the vertex, mm.
     pub at_mm: [f64; 3],
@@ -236,18 +248,19 @@ pub struct VertexFacts {
 }
 
 /// Errors over the rays that hit; absent when none did.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ErrorFacts {
     /// Angle between the direction seen and the projection's, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub ray_error_mrad: Option<Summary>,
     /// The same carried back to the image, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub pixel_error_px: Option<Summary>,
     /// Image displacement against the designed mirror, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub facet_error_px: Option<Summary>,
 }

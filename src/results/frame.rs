@@ -2,11 +2,11 @@
 
 use super::{ProfileId, Reason, Verdict};
 use crate::trace::{Coverage, FrameFill, MinMeanMax, Obstruction};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Filling of the frame by a mirror: `frame.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FrameReport {
     /// Version of these keys.
     pub schema: u32,
@@ -32,7 +32,8 @@ pub struct FrameReport {
 }
 
 /// How evenly a mirror spends its pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PixelSolidAngle {
     /// Pixels whose centres are aimed at the mirror.
     pub pixels: u64,
@@ -45,7 +46,8 @@ pub struct PixelSolidAngle {
 }
 
 /// A round mirror on the sensor.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RoundMirror {
     /// Name of the shipped profile.
     pub profile: String,

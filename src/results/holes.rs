@@ -1,11 +1,11 @@
 //! Holes of the part, as a shop reads of them.
 
 use crate::geom::PartFeatures;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A hole of the part, or of the forming tool that is made in its place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct HoleFacts {
     /// Its number in datum features and in STEP, from 1.
     pub number: usize,

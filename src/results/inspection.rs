@@ -2,11 +2,11 @@
 
 use super::{FileFacts, PmiFacts, ProfileId};
 use crate::num::stats::Summary;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A plan of points for a coordinate measuring machine, in the shape of `inspection.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct InspectionReport {
     /// Version of these keys.
     pub schema: u32,
@@ -28,7 +28,8 @@ pub struct InspectionReport {
 }
 
 /// What measured points say of the form of a mirror, after the best pose.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MeasuredForm {
     /// Points in the file.
     pub points: usize,
@@ -56,7 +57,8 @@ pub struct MeasuredForm {
 }
 
 /// A term of a form error.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FormTermFacts {
     /// Key of its error source.
     pub term: String,

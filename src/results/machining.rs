@@ -3,11 +3,11 @@
 use super::{FileFacts, ProfileId, Reason, TraceFacts, Verdict};
 use crate::machining::{Extreme, Fillet, RasterDirection, ScallopFigures};
 use crate::num::stats::{Summary, or_null};
-use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 /// Machining of a mirror with a ball cutter: `machining.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MachiningReport {
     /// The version of the report's schema, whose rules hold for these keys too.
     pub schema: u32,
@@ -29,11 +29,11 @@ pub struct MachiningReport {
     pub fillet: Option<Fillet>,
     /// Scallops of the unpolished face, where the ball fits; none where it fits nowhere.
     #[serde(flatten, serialize_with = "or_nulls")]
-    #[schemars(with = "ScallopFigures")]
+    #[cfg_attr(test, schemars(with = "ScallopFigures"))]
     pub scallops: Option<ScallopFigures>,
     /// The designed mirror against the projection, pixels.
     #[serde(serialize_with = "or_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub design_pixel_error_px: Option<Summary>,
     /// Directions of the raster.
     pub best: BestFacts,
@@ -77,7 +77,8 @@ fn or_nulls<S: Serializer>(
 }
 
 /// Where the ball does not fit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GougeFacts {
     /// Whether it fits everywhere, in a valley too.
     pub fits: bool,
@@ -92,7 +93,8 @@ pub struct GougeFacts {
 }
 
 /// The best directions of the raster.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BestFacts {
     /// For the root mean square of the pixel error; none without a projection.
     pub pixels: Option<RasterDirection>,
@@ -101,7 +103,8 @@ pub struct BestFacts {
 }
 
 /// Budgets and the stepovers that keep them, at the raster's direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BudgetFacts {
     /// Pixel error that 95 % of the unpolished face may not exceed.
     pub p95_px: Option<f64>,
@@ -114,7 +117,8 @@ pub struct BudgetFacts {
 }
 
 /// How deep the tool goes from the mirror's highest place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ReachFacts {
     /// To the lowest place of the face, mm.
     pub face_mm: f64,
@@ -123,7 +127,8 @@ pub struct ReachFacts {
 }
 
 /// The box that the part is cut from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct StockFacts {
     /// Along X, Y and Z, mm, with the allowance.
     pub size_mm: [f64; 3],
@@ -138,7 +143,8 @@ pub struct StockFacts {
 }
 
 /// The as-cut part.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AsCutFacts {
     /// Facets of its optical face.
     pub optical_triangles: usize,

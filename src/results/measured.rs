@@ -2,11 +2,11 @@
 
 use crate::align::{Alignment, FreeMotion, LengthUnit};
 use crate::num::degrees;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The unit of a file's coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct UnitFacts {
     /// Symbol of the unit.
     pub name: &'static str,
@@ -26,7 +26,8 @@ impl UnitFacts {
 }
 
 /// How a file was brought into the part frame: place in mm -> turned about the origin -> shifted.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AlignmentFacts {
     /// Axis of the turn times its angle, degrees.
     pub turn_deg: [f64; 3],

@@ -5,11 +5,11 @@ use crate::milling::{OperationKind, Speeds};
 use crate::num::stats::{Summary, or_null};
 use crate::profile::{AcceptanceLimits, MillControl, StockMaterial};
 use crate::trace::FrameFill;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Programs that mill a mirror: `program.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProgramReport {
     /// The version of the report's schema, whose rules hold for these keys too.
     pub schema: u32,
@@ -37,7 +37,7 @@ pub struct ProgramReport {
     pub travel_mm: [f64; 3],
     /// What the study of the finishing raster foresees of its scallops, pixels.
     #[serde(serialize_with = "or_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub foreseen_px: Option<Summary>,
     /// What the finishing program cuts, read back; none where it could not be.
     pub program: Option<ProgramFacts>,
@@ -58,7 +58,8 @@ pub struct ProgramReport {
 }
 
 /// An operation, as its program was read back.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OperationFacts {
     /// What it is.
     pub operation: OperationKind,
@@ -100,7 +101,8 @@ pub struct OperationFacts {
 }
 
 /// Length of a part of a cutter from its tip up, beyond which it must be to stay clear of the stock.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LengthFacts {
     /// The least: how high the stock stands over the tip at most, over a grid of places, mm.
     pub least_mm: f64,
@@ -113,7 +115,8 @@ pub struct LengthFacts {
 }
 
 /// What is left on a mirror, along its normal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LeftFacts {
     /// The least, um; negative where the mirror is cut into.
     pub least_um: f64,

@@ -1,10 +1,10 @@
 //! What a program of numerical control cuts.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A program, and the face that a ball cutter leaves along its moves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProgramFacts {
     /// Radius of the ball cutter, mm.
     pub ball_mm: f64,
@@ -33,7 +33,8 @@ pub struct ProgramFacts {
 }
 
 /// Distance of a cut from the mirror.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct CutDeparture {
     /// Distance of the cut from the mirror along its normal, um: positive where material is left.
     pub off_um: f64,

@@ -2,7 +2,6 @@
 
 use super::faults::{FileFault, PictureFault, RayFault, Refusal, ShapeFault};
 use super::study_faults::{CuttingFault, ReplayFault, StudyFault};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
@@ -39,7 +38,8 @@ pub enum ReasonKind {
 }
 
 /// Why a verdict is negative: what files hold of it is one sentence.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(into = "String", from = "String")]
 pub struct Reason {
     /// What it is about.

@@ -1,11 +1,11 @@
 //! A picture that was rendered.
 
 use super::ProfileId;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A picture of a scene in a mirror, or of the mirror.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RenderReport {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,

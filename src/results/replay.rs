@@ -3,13 +3,12 @@
 use super::{FileFacts, ProfileId, Reason, Verdict};
 use crate::solid::SolidCheck;
 use crate::tolerance::{Criterion, Displacement, Reference, RigidTransform, Witnessed};
-use crate::tolerance_terms::{ActsOn, ErrorSourceRow};
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 /// Replay of a trial as files, traced: `replay.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ReplayReport {
     /// Version of these keys.
     pub schema: u32,
@@ -46,7 +45,8 @@ pub struct ReplayReport {
 }
 
 /// An error of a trial.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DrawnError {
     /// Its key in the profile, which ends in its unit.
     pub source: String,
@@ -55,7 +55,8 @@ pub struct DrawnError {
 }
 
 /// A file of the imperfect part.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ReplayFile {
     /// The file.
     #[serde(flatten)]
@@ -76,7 +77,8 @@ pub struct ReplayFile {
 }
 
 /// `pose.json`: what a file of the part cannot hold.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PoseFile {
     /// Version of these keys.
     pub schema: u32,
@@ -88,41 +90,49 @@ pub struct PoseFile {
     pub trial: u64,
     /// How the part is mounted, about the middle of its base: turns about X, then Y, then the
     /// axis.
-    #[schemars(schema_with = "mounting_errors")]
+    #[cfg_attr(test, schemars(schema_with = "error_schemas::mounting_errors"))]
     pub part: Map<String, Value>,
     /// The same as a motion, for the file's coordinates.
     pub world_from_file: RigidTransform,
     /// The camera's errors.
-    #[schemars(schema_with = "camera_errors")]
+    #[cfg_attr(test, schemars(schema_with = "error_schemas::camera_errors"))]
     pub camera: Map<String, Value>,
     /// Errors of size, which the files have already.
-    #[schemars(schema_with = "size_errors")]
+    #[cfg_attr(test, schemars(schema_with = "error_schemas::size_errors"))]
     pub in_the_files: Map<String, Value>,
     /// How much larger the part is by them.
     pub growth: f64,
 }
 
-/// The JSON Schema of an object with a number for each error source whose effect `acts`.
-fn errors(acts: fn(ActsOn) -> bool) -> Schema {
-    let rows = || ErrorSourceRow::TABLE.iter().filter(|row| acts(row.acts_on));
-    let property = |row: &ErrorSourceRow| {
-        let description =
-            format!("{}, {}", row.what.concat().trim().trim_end_matches('.'), row.unit.label());
-        (row.key.to_owned(), json!({ "type": "number", "description": description }))
-    };
-    let properties: Map<String, Value> = rows().map(property).collect();
-    let required: Vec<&str> = rows().map(|row| row.key).collect();
-    json_schema!({ "type": "object", "properties": properties, "required": required })
-}
+/// JSON Schemas of objects with a number for each error source of a kind.
+#[cfg(test)]
+mod error_schemas {
+    use crate::tolerance_terms::{ActsOn, ErrorSourceRow};
+    use schemars::{Schema, SchemaGenerator, json_schema};
+    use serde_json::{Map, Value, json};
 
-fn mounting_errors(_: &mut SchemaGenerator) -> Schema {
-    errors(ActsOn::is_mounting)
-}
+    /// The JSON Schema of an object with a number for each error source whose effect `acts`.
+    fn errors(acts: fn(ActsOn) -> bool) -> Schema {
+        let rows = || ErrorSourceRow::TABLE.iter().filter(|row| acts(row.acts_on));
+        let property = |row: &ErrorSourceRow| {
+            let description =
+                format!("{}, {}", row.what.concat().trim().trim_end_matches('.'), row.unit.label());
+            (row.key.to_owned(), json!({ "type": "number", "description": description }))
+        };
+        let properties: Map<String, Value> = rows().map(property).collect();
+        let required: Vec<&str> = rows().map(|row| row.key).collect();
+        json_schema!({ "type": "object", "properties": properties, "required": required })
+    }
 
-fn camera_errors(_: &mut SchemaGenerator) -> Schema {
-    errors(ActsOn::is_camera)
-}
+    pub(super) fn mounting_errors(_: &mut SchemaGenerator) -> Schema {
+        errors(ActsOn::is_mounting)
+    }
 
-fn size_errors(_: &mut SchemaGenerator) -> Schema {
-    errors(ActsOn::is_size)
+    pub(super) fn camera_errors(_: &mut SchemaGenerator) -> Schema {
+        errors(ActsOn::is_camera)
+    }
+
+    pub(super) fn size_errors(_: &mut SchemaGenerator) -> Schema {
+        errors(ActsOn::is_size)
+    }
 }

@@ -3,11 +3,11 @@
 use super::{digits, three_digits};
 use crate::pencil::ApertureSharpness;
 use crate::profile::Aperture;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How sharp the picture of a mirror is through the profile's lens and at best.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SharpnessFacts {
     /// Wavelength, nm.
     pub wavelength_nm: f64,
@@ -19,7 +19,8 @@ pub struct SharpnessFacts {
 }
 
 /// A lens, open so far.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ApertureFacts {
     /// The aperture.
     #[serde(flatten)]

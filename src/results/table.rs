@@ -2,11 +2,11 @@
 
 use super::{FileFacts, ProfileId};
 use crate::num::stats::{Summary, or_null};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Tables from pixels to directions and places of a floor, and back: `table.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TableReport {
     /// The version of the report's schema, whose rules hold for these keys too.
     pub schema: u32,
@@ -37,23 +37,25 @@ pub struct TableReport {
 }
 
 /// How good a table is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FieldFacts {
     /// What reading between the nodes is off by, pixels; none where nothing is told.
     #[serde(serialize_with = "or_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub off_px: Option<Summary>,
     /// Share of the places that show something which the table tells.
     pub told: f64,
     /// Standard deviation among parts as the study of tolerances has it, over the nodes: of directions their angle, mrad; of the floor
     /// the distance, mm.
     #[serde(serialize_with = "or_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub deviation: Option<Summary>,
 }
 
 /// The floor.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FloorFacts {
     /// Its Z in the part's frame, mm.
     pub z_mm: f64,
@@ -67,7 +69,8 @@ pub struct FloorFacts {
 }
 
 /// A map from a picture to the frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PlaceMapFacts {
     /// Pixels across and down.
     pub pixels: [usize; 2],

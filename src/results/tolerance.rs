@@ -3,11 +3,11 @@
 use super::MachiningReport;
 use super::{ProfileId, Reason, SCHEMA, StudyFault, Verdict};
 use crate::tolerance::{Offender, Study};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Study of tolerances with its verdict: `tolerance.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ToleranceReport {
     /// Version of these keys.
     pub schema: u32,
@@ -31,7 +31,8 @@ pub struct ToleranceReport {
 }
 
 /// Where the limit of the facets' displacement comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum FacetsFrom {
     /// The profile's `tolerance.limits`.

@@ -2,11 +2,11 @@
 
 use crate::forming::FormingTool;
 use crate::profile::{FormingSpec, MirrorSide, ToolForm};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A mould or a mandrel, and the sheet that is formed on it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ToolFacts {
     /// The tool.
     pub form: ToolForm,

@@ -2,11 +2,11 @@
 
 use super::{FileFacts, ProfileId};
 use crate::num::stats::{Summary, or_null};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A photo through a mirror, unwrapped.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct UnwrapReport {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
@@ -37,7 +37,8 @@ pub struct UnwrapReport {
 }
 
 /// A photo.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PhotoFacts {
     /// Name of the photo, as it was given.
     pub name: String,
@@ -48,7 +49,8 @@ pub struct PhotoFacts {
 }
 
 /// A panorama.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PanoramaFacts {
     /// "remap" or "cuts".
     pub way: &'static str,
@@ -63,7 +65,8 @@ pub struct PanoramaFacts {
 }
 
 /// A view in perspective.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ViewFacts {
     /// Columns and rows.
     pub pixels: [usize; 2],
@@ -76,7 +79,8 @@ pub struct ViewFacts {
 }
 
 /// A plan of a floor, X to the right and Y up.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GroundFacts {
     /// Columns and rows.
     pub pixels: [usize; 2],
@@ -93,12 +97,13 @@ pub struct GroundFacts {
 }
 
 /// A table of places.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct UnwrapMapFacts {
     /// Share of the picture's pixels that the photo shows.
     pub seen: f64,
     /// Distance on the sensor between where things are seen and where the projection has them; of directions in the designed mirror alone.
     #[serde(serialize_with = "or_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub distortion_px: Option<Summary>,
 }

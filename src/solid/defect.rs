@@ -1,7 +1,6 @@
 //! What a check can find, in words.
 
 use crate::geom::DVec3;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -78,7 +77,8 @@ impl fmt::Display for Defect {
 }
 
 /// Boundary of a mesh that is not closed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OpenBoundary {
     /// Edges without a second facet.
     pub edges: usize,
@@ -87,7 +87,8 @@ pub struct OpenBoundary {
 }
 
 /// Result of checking a mesh as a boundary of a solid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SolidCheck {
     /// Every edge has a facet on both sides.
     pub closed: bool,

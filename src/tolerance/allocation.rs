@@ -8,7 +8,6 @@ use super::solve_for_target::{TargetFigure, solve_for_target};
 use super::trials::quantile;
 use super::work_counts::WorkKind;
 use crate::tolerance_terms::Criterion;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Standard deviation of a displacement, px, below which a source does nothing.
@@ -46,7 +45,8 @@ pub struct AllocatedLimits {
 }
 
 /// Reason why no allocated limits meet the budget.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum AllocationError {
     /// The system as designed uses up the budget.

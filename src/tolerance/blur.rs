@@ -10,11 +10,11 @@ use super::texture::{
     FACET_HEIGHT, FACET_RADIUS, facet_rms, facets_displace, ripple_slope, scattered,
 };
 use crate::tolerance_terms::{ActsOn, Texture};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Blur and scatter by a texture at its limit, over the picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct BlurAndScatter {
     /// Blur within a pixel, px: root of the mean square distance from its mean, of the light that is
     /// turned.

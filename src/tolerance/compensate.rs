@@ -3,7 +3,6 @@
 
 use crate::num::max_or_nan;
 use crate::tolerance_terms::Criterion;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 
 /// One direction of adjustment.
@@ -95,15 +94,16 @@ impl Compensation {
 }
 
 /// RMS and P95 of a displacement over the samples, px. Infinite where a ray is lost.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DisplacementPx {
     /// Root of the mean square.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub rms_px: f64,
     /// 95th percentile over the samples.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p95_px: f64,
 }
 
@@ -116,8 +116,9 @@ pub(super) fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::E
 }
 
 /// The JSON Schema of what [`or_lost`] writes.
-pub(super) fn figure_or_lost(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({ "anyOf": [{ "type": "number" }, { "const": "lost" }] })
+#[cfg(test)]
+pub(super) fn figure_or_lost(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    schemars::json_schema!({ "anyOf": [{ "type": "number" }, { "const": "lost" }] })
 }
 
 impl DisplacementPx {

@@ -1,15 +1,17 @@
 //! Data of a study's plots, and the error sources that displace most.
 
-use super::compensate::{figure_or_lost, or_lost};
+#[cfg(test)]
+use super::compensate::figure_or_lost;
+use super::compensate::or_lost;
 use super::engine::Engine;
 use super::study::{SourceFacts, Study};
 use super::trials::Trial;
 use super::yields::Yield;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// An error at the worse of its limits.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Offender {
     /// The source's key in the profile, with the unit of its limits.
     pub source: String,
@@ -17,7 +19,7 @@ pub struct Offender {
     pub value: f64,
     /// Displacement by it alone after adjustment, px; infinite where rays are lost.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub adjusted_px: f64,
 }
 

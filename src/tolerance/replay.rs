@@ -14,14 +14,14 @@ use crate::optics::reflect;
 use crate::parallel;
 use crate::tolerance_terms::Perturbation;
 use crate::trace::{Outcome, Scene};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How far errors of form may take a vertex beyond the line between two panels, as a share of the mirror's size.
 const BEYOND: f64 = 1e-3;
 
 /// Displacement of the picture, px, as made and after adjustment.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Displacement {
     /// Figures as made.
     pub as_made: DisplacementPx,
@@ -31,7 +31,8 @@ pub struct Displacement {
 
 /// Displacement that a file of a made part shows, by the camera's ray of each sample, its nearest facet
 /// and the reflection by that.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Witnessed {
     /// Rays.
     pub rays: usize,
@@ -50,12 +51,13 @@ pub struct Witnessed {
     /// Displacement by the facets' own slopes, px: reflection by the facet against that by the made
     /// surface at the same place. None when no ray hits.
     #[serde(serialize_with = "or_null")]
-    #[schemars(with = "Summary")]
+    #[cfg_attr(test, schemars(with = "Summary"))]
     pub facet_error_px: Option<Summary>,
 }
 
 /// Rotation and shift from the part to the world: world = R part + t.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RigidTransform {
     /// Rows of the rotation matrix R.
     pub turn: [[f64; 3]; 3],

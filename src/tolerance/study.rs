@@ -2,17 +2,19 @@
 
 use super::allocation::{AllocatedLimits, AllocationError};
 use super::blur::BlurAndScatter;
-use super::compensate::{DisplacementPx, figure_or_lost, or_lost};
+#[cfg(test)]
+use super::compensate::figure_or_lost;
+use super::compensate::{DisplacementPx, or_lost};
 use super::engine::Engine;
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
 use crate::parallel;
 use crate::tolerance_terms::{Criterion, Distribution, FormMeasure, Reference};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Results of a tolerance study. Figures in px are those of the criterion, over the samples.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Study {
     /// Seed of the trials.
     pub seed: u64,
@@ -55,7 +57,7 @@ pub struct Study {
     pub rss_px: f64,
     /// Root of the mean square of the trials' RMS, which it predicts; of those that lose no rays.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub rms_px: f64,
     /// Trials in which a sampled ray does not meet the mirror. They do not keep the budget.
     pub lost_trials: u64,
@@ -77,7 +79,8 @@ pub struct Study {
 }
 
 /// Results of one error source.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SourceFacts {
     /// Its key in the profile, with the unit of its limits.
     pub source: String,
@@ -93,19 +96,19 @@ pub struct SourceFacts {
     pub systematic: bool,
     /// Displacement by it alone at the negative limit, as made, px.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub minus_px: f64,
     /// Displacement by it alone at the positive limit, as made, px.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub plus_px: f64,
     /// Displacement at the negative limit, after adjustment, px.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub minus_adjusted_px: f64,
     /// Displacement at the positive limit, after adjustment, px.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub plus_adjusted_px: f64,
     /// Blur and scatter at its limit; of textures, others do neither.
     #[serde(flatten)]
@@ -157,22 +160,24 @@ impl SourceFacts {
 }
 
 /// First derivatives against the full trace, over the same trials.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LinearityGap {
     /// Over so many trials, those that lose no rays.
     pub trials: u64,
     /// Root of the mean square of the difference, px; lost without such trials.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub rms_px: f64,
     /// The same against the mean of the full trace.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub relative: f64,
 }
 
 /// Motion of an adjustment in the trials that lose no rays.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct AdjustmentFacts {
     /// Its name.
     pub name: &'static str,
@@ -183,11 +188,11 @@ pub struct AdjustmentFacts {
     pub sigma: Option<f64>,
     /// 95th percentile of its size.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p95: f64,
     /// Largest motion.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub farthest: f64,
 }
 

@@ -1,13 +1,14 @@
 //! Monte Carlo: many made systems, each a function of the seed and its own number.
 
-use super::compensate::{DisplacementPx, figure_or_lost, or_lost};
+#[cfg(test)]
+use super::compensate::figure_or_lost;
+use super::compensate::{DisplacementPx, or_lost};
 use super::engine::Engine;
 use super::error_source::ErrorSource;
 use super::perturbed_system::PerturbedSystem;
 use super::yields::Yield;
 use crate::num::random::RandomStream;
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -26,42 +27,43 @@ pub struct Trial {
 
 /// Mean, scatter and percentiles of a figure over the trials. Mean and scatter are of the trials that
 /// lose no rays; those that do are the worst, infinite ones among the percentiles.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Statistics {
     /// Mean.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub mean_px: f64,
     /// Standard deviation; none of a single trial.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma_px: Option<f64>,
     /// Median.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p50_px: f64,
     /// 80th percentile of the trials.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p80_px: f64,
     /// 90th percentile.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p90_px: f64,
     /// 95th percentile.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p95_px: f64,
     /// 98th percentile.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p98_px: f64,
     /// 99th percentile.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub p99_px: f64,
     /// The worst of all.
     #[serde(serialize_with = "or_lost")]
-    #[schemars(schema_with = "figure_or_lost")]
+    #[cfg_attr(test, schemars(schema_with = "figure_or_lost"))]
     pub worst_px: f64,
 }
 

@@ -1,10 +1,10 @@
 //! The share of good parts, and how well a number of trials knows it.
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A share with its 95 % confidence interval: E. Wilson's, 1927.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Yield {
     /// Share of the trials that is good, 0 to 1.
     pub share: f64,

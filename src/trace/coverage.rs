@@ -13,7 +13,6 @@ use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, Fold, ImagingTask, Projection};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -24,7 +23,8 @@ const NEAREST: usize = 8;
 const ROUNDING_GAP: f64 = 1e-9;
 
 /// Azimuths and elevations covered by the filled pixels, as directions from the target's origin.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Coverage {
     /// Azimuth that at least one pixel sees, degrees, 360 for all around.
     pub azimuth_deg: f64,
@@ -42,7 +42,8 @@ pub struct Coverage {
 }
 
 /// Two edges of the picture that show the same azimuth.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Seam {
     /// The edges of the picture that meet: of a strip its left and its right one, of a folded mirror
     /// those of both panels on one side.
@@ -55,7 +56,8 @@ pub struct Seam {
 }
 
 /// Least, mean and greatest of some values.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MinMeanMax {
     /// Least.
     pub min: f64,

@@ -6,12 +6,12 @@ use super::trace_result::{TraceResult, TraceStrip};
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Share of filled pixels, their field of view, and the numbers of lost pixels by cause.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct FrameFill {
     /// Columns and rows.
     pub pixels: [u32; 2],
@@ -70,7 +70,8 @@ impl PixelClass {
 }
 
 /// Numbers of lost pixels by cause.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LostPixels {
     /// Pixels where the designed mirror is not under the ray.
     pub beyond: usize,

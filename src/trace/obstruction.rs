@@ -12,12 +12,12 @@ use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
-use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// What an obstacle hides.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Obstruction {
     /// Name of the obstacle.
     pub name: String,
