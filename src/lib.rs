@@ -85,6 +85,7 @@ mod milling;
 mod mirror;
 mod num;
 mod optics;
+mod packed_text;
 mod parallel;
 mod part;
 mod pencil;

@@ -316,6 +316,7 @@ fn sheet_under_parallel_rays() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn sheets_under_a_pinhole() {
     for target in [Target::Infinity, Target::Cylinder { radius_mm: 150.0 }] {
         let view = strip(StripLaw::Cylindrical, target);
@@ -384,6 +385,7 @@ fn cone_under_a_pinhole() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn given_mirrors_under_a_pinhole() {
     let rims = RimConditions {
         radius: [0.0, 30.0],

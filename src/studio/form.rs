@@ -1,11 +1,12 @@
 //! The form: every key of a profile with what it is, from the table of the schema and the page of keys.
 
+use crate::packed_text::{PackedText, packed_text};
 use crate::profile::{LISTS, TABLES};
 use serde_json::{Map, Value as Json, json};
 use toml_edit::{DocumentMut, Item, Value};
 
 /// The page of all keys: a row for each, `| key | unit or type | range and default | meaning |`.
-const PAGE: &str = include_str!("../../docs/profile.md");
+static PAGE: PackedText = packed_text!("profile.md");
 
 /// The tables of a profile, each with its keys, and with the tables of which one is chosen; not those of which there
 /// may be several, which are written in the text.
@@ -65,7 +66,7 @@ fn plain(cell: &str) -> String {
 
 /// The cells of a key's row but for the key.
 fn row(path: &str) -> Option<[&'static str; 3]> {
-    PAGE.lines().find_map(|line| {
+    PAGE.text().lines().find_map(|line| {
         let cells = line.strip_prefix("| `")?.strip_prefix(path)?.strip_prefix("` | ")?;
         let mut cells = cells.trim_end_matches(" |").splitn(3, " | ");
         Some([cells.next()?, cells.next()?, cells.next()?])

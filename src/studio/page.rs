@@ -25,7 +25,7 @@ pub(super) fn page() -> Result<Content, RequestFailure> {
     }
     let script = |text: &str| format!("<script nonce=\"{nonce}\">\n{text}\n</script>\n");
     let scripts = [
-        script(&format!("/*! three.js, (c) three.js authors, MIT licence */\n{THREE}")),
+        script(&format!("/*! three.js, (c) three.js authors, MIT licence */\n{}", THREE.text())),
         // The viewer draws the part that the page holds when it is called.
         script(&format!("function drawPart() {{\n{VIEWER}\n}}")),
         script(FORM),

@@ -1,6 +1,6 @@
 //! Requests and their answers.
 
-use super::designs::LastDesigns;
+use super::designs::{LastDesigns, sketch};
 use super::edit::TextEdit;
 use super::failure::RequestFailure;
 use super::message::{Asked, Content};
@@ -57,6 +57,13 @@ pub(super) struct Subjects {
 struct Source {
     name: String,
     text: String,
+}
+
+/// How near to the profile's design what is asked for has to be.
+#[derive(Debug, Deserialize)]
+struct Fidelity {
+    #[serde(default)]
+    sketch: bool,
 }
 
 /// A pixel of the camera's frame.
@@ -130,7 +137,7 @@ impl Studio {
         }
     }
 
-    /// What `see` makes of the design of a request's text, on a queue.
+    /// What `see` makes of the design of a request's text, on a queue; of a sketch of it, if the request says so and it has one.
     fn of_design(
         &self,
         queue: &WorkQueue,
@@ -139,7 +146,15 @@ impl Studio {
         see: impl FnOnce(&Design) -> Result<Content, RequestFailure> + Send + 'static,
     ) -> Result<Content, RequestFailure> {
         let designs = Arc::clone(&self.designs);
-        newest(queue, subject, asked, move |profile| see(&*designs.of(profile)?))
+        let Fidelity { sketch: is_sketch } = read(asked)?;
+        newest(queue, subject, asked, move |profile| {
+            // (A sketch may have no answer where the mirror has one.)
+            let sketched = is_sketch.then(|| sketch(profile)).flatten();
+            match sketched.and_then(|profile| designs.of(&profile).ok()) {
+                Some(design) => see(&design),
+                None => see(&*designs.of(profile)?),
+            }
+        })
     }
 
     fn start(&self) -> Json {

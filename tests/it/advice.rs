@@ -163,6 +163,7 @@ fn followed(asked: &Asked, error: &DesignError) -> Result<usize, String> {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_advice_of_a_refusal_works() {
     let streams: Vec<u64> = (0..times(6, 240) as u64).collect();
     let found = each(&streams, |&stream| {
@@ -379,6 +380,7 @@ fn a_mirror_that_turns_its_back_says_where() {
 /// Those of a thousand random profiles whose refusal took longest: what is found out about them is
 /// counted in designs.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_refusal_takes_few_designs() {
     let table = "azimuth_deg = [-39.23, 39.23], elevation_deg = [[1.423, 29.55], [16.453, 28.43], \
                  [33.883, 27.31]]";

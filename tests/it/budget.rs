@@ -71,12 +71,14 @@ fn no_finer_mesh_fits(design: &Design, face: &Face, triangles: usize, what: &str
 
 /// On saddles whose facets all hold just so, repairs spread from facet to facet.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_budget_is_used_where_repairs_spread() {
     let warnings = shipped_builds::report("side-view").warnings;
     assert!(warnings.iter().all(|warning| !warning.contains("max_triangles")), "{warnings:?}");
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_shipped_mirror_uses_its_budget_and_never_more() {
     // (Area-proportional and hyperbolic.)
     let profiles: Vec<_> = share(12, 0, shipped()).collect();
@@ -115,6 +117,7 @@ fn small_budgets_are_kept_too() {
 /// 1.5 million triangles gave 0.284 px where 2 million gave 0.347 px, and 8530 on a cone more than
 /// 7720.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn more_budget_never_makes_a_worse_mesh() {
     let turns = [("panoramic", 0), ("conquistador", 3), ("conical", 6), ("area-proportional", 2)];
     turns.into_par_iter().for_each(|(name, turn)| {
@@ -138,6 +141,7 @@ fn more_budget_never_makes_a_worse_mesh() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn what_stands_against_a_finer_mesh_is_said_where_a_budget_is_not_used() {
     let mut warned = 0;
     for triangles in [130, 150, 317, 500, 3500] {

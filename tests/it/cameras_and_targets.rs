@@ -336,6 +336,7 @@ export.formats = [\"stl\"]
 ";
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
     let design = designed(&crate::support::builds::parsed(GIVEN));
     let (camera, mirror) = (&design.camera, &design.mirror);
@@ -362,6 +363,7 @@ fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_part_is_as_large_and_the_camera_where_the_report_says() {
     for shipped in morion::internals::profile::shipped() {
         let report = shipped_builds::report(shipped.name);

@@ -51,6 +51,7 @@ fn pages_say_what_each_figure_means() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_command_fits_a_terminal() {
     let folder = folder();
     save(folder.path(), SMALL);

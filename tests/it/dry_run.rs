@@ -42,6 +42,7 @@ fn compare(profile: &Profile) {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn forecasts_of_the_shipped_mirrors_are_near() {
     let all: Vec<FileFormat> = FileFormat::all().collect();
     let stl = [FileFormat::Mesh(MeshFormat::Stl)];
@@ -147,6 +148,7 @@ fn suggested(warning: &str, key: &str) -> String {
 
 /// 1 100 972 of the 1 286 795 pixels of the disc that a square frame would show.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_disc_beyond_a_wide_frame_draws_a_warning_that_helps() {
     let warnings = |name: &str, edits: &[(&str, &str)]| {
         let foreseen = dry_run(&support::shipped_but(name, edits), &Silent).unwrap();

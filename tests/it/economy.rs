@@ -51,6 +51,7 @@ fn flat_places_get_few_triangles() {
 
 /// With at least a hundred thousand triangles, at the usual limits or finer ones.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn few_triangles_over_the_fewest() {
     let mut failures = Vec::new();
     for listed in listed() {

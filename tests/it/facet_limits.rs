@@ -21,6 +21,7 @@ fn holds(profile: &Profile, facet_px: f64) {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn limits_beside_those_that_hold_do_too() {
     // These three once ended in slivers, between neighbours that did not.
     let once = [("panoramic", 0.25), ("conquistador", 0.3), ("conquistador", 0.27)];
@@ -56,6 +57,7 @@ const FILLED: &str =
     "layout.conquistador]\npanel = \"refit\"\nridge = \"crest\"\nfill_frame = true";
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn large_frames_are_within_the_reach_of_an_stl() {
     // The width that is said to be the least; 0.5 and 0.7 px were refused where 1 px was not.
     let frames = [(0.7, 40.0, [150.0, 109.192]), (0.8, 39.0, [200.0, 141.648])];

@@ -67,6 +67,7 @@ fn dome_mm3(radius_mm: f64, growth: f64, top_mm: f64) -> f64 {
 
 /// Faces are spheres about the mirror's centre, volumes those of caps and frustums.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn tools_of_a_dome_are_concentric_spheres() {
     for (form, forming, radius_mm, growth) in [
         ("mandrel", "sheet_mm = 2", 78.0, 1.0),
@@ -143,6 +144,7 @@ fn closed(
 /// Every layout, as a mould and as a mandrel, with and without a sheet's thickness between mirror and tool: closed, of the
 /// expected volume, each vertex and curved face where it is designed, and the picture of what is formed that of the part.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn tools_of_every_layout_pass_in_every_format() {
     let bases = [
         (STRIP, "sheet_mm = 1.5, mirror_side = \"free\""),
@@ -358,6 +360,7 @@ fn machining_and_drawings_of_a_tool_are_refused() {
 
 /// Vents go through a mandrel along the foot of its walls; where there is no room for them, that is told.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn vents_are_drilled_along_the_foot() {
     for base in [STRIP, DISC] {
         let text =

@@ -74,6 +74,7 @@ fn glb_files_of_the_fuzzer_come_to_a_verdict() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn step_files_of_the_fuzzer_are_solids_or_refused() {
     replay("step", step::holds);
 }

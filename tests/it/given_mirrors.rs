@@ -300,6 +300,7 @@ fn facets_of_a_polynomial_are_on_its_closed_form() {
 
 /// Whatever the mirror shows, even the world behind what is wanted, half a turn away.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn facets_of_a_strip_keep_their_bound() {
     let strip = "layout.strip = {}\npart = { width_mm = 60, base_mm = 5 }
 projection.equirectangular = { azimuth_deg = [-90, 90], elevation_deg = [-30, 40] }\n";

@@ -40,6 +40,7 @@ fn nodes(files: &[OutputFile]) -> Vec<Vec<f64>> {
 
 /// Every ray of a mirror with a single viewpoint passes through it: the floor is where the direction from there meets it.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_single_viewpoint_says_where_the_floor_is() {
     for (name, polar_deg) in [("hyperbolic", 110.0), ("parabolic", 100.0)] {
         let profile = shipped(name);
@@ -76,6 +77,7 @@ fn a_single_viewpoint_says_where_the_floor_is() {
 /// The sensor's shift by the pixels of a block is the shift of the table by a node, and so is that of a part under parallel rays, whose
 /// floor is shifted with it.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_mounted_part_is_seen_where_it_is() {
     let profile = parsed(SMALL);
     let pixel_mm = designed(&profile).camera.pixel_mm;
@@ -194,6 +196,7 @@ fn off_px<const N: usize>(
 /// a pixel is off by no more than a quarter of a pixel, in directions and on the floor. (Differences of neighbours stand for derivatives:
 /// a tenth is theirs.)
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_header_for_c_is_off_by_a_quarter_of_a_pixel_at_most() {
     let soccer = shipped("soccer");
     let folded = parsed(SMALL);

@@ -226,6 +226,7 @@ fn what_is_no_map_is_refused_at_its_place() {
 
 /// Each method makes the same mirror of a map as of the law that the map was made of.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_method_makes_a_law_s_mirror_of_its_map() {
     let vector = "[method.vector-field]\ndegree = 12";
     for method in [

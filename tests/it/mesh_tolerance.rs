@@ -261,6 +261,7 @@ const SHIPPED: [&str; 3] = ["panoramic", "conquistador", "conformal"];
 const ROUND: [&str; 5] = ["parabolic", "hyperbolic", "conical", "plane", "cylinder"];
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn round_mirrors_keep_their_bounds_and_have_round_rims() {
     for name in share(2, 0, ROUND) {
         println!("{name}");
@@ -285,6 +286,7 @@ const PINHOLE: &[(&str, &str)] = &[(
 const NEAR: (&str, &str) = ("[-30, 30] }", "[-30, 30], target_radius_mm = 400 }");
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn pinholes_and_near_targets_keep_their_bounds() {
     let crest = ("layout.strip = {}", "layout.conquistador = {}");
     let cases = [
@@ -305,6 +307,7 @@ fn pinholes_and_near_targets_keep_their_bounds() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn shipped_profiles_keep_their_bounds_and_the_facet_bound_is_not_idle() {
     for name in share(2, 0, SHIPPED) {
         let share = hold(&shipped(name));

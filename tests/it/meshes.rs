@@ -81,6 +81,7 @@ fn some(count: u64) -> Vec<(Kind, u64)> {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn random_meshes_are_sound() {
     all(&some(times(12, 160) as u64));
 }

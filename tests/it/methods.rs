@@ -49,6 +49,7 @@ fn subjects() -> [Strip<'static>; 5] {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn each_method_is_the_best_by_its_own_measure() {
     for subject in subjects() {
         let designs = METHODS.map(|method| Wish { method, ..subject.wish(10) }.made());
@@ -65,6 +66,7 @@ fn each_method_is_the_best_by_its_own_measure() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn each_method_is_at_the_bottom_of_its_own_measure() {
     for subject in subjects() {
         for (own, method) in METHODS.into_iter().enumerate() {
@@ -155,6 +157,7 @@ fn a_mirror_reflected_in_a_plane_sees_the_reflected_world() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn minimax_brings_the_papers_mirrors_below_their_limits() {
     // Largest ray error, mrad: what least squares leaves, what is promised, and what no smooth
     // mirror can be below (line integrals of the field around the best loops).

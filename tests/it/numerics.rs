@@ -86,6 +86,7 @@ fn a_curl_of_nothing_is_told_from_rounding_at_every_size() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn more_degrees_never_leave_more_and_the_problem_stays_well_conditioned() {
     for wish in [Wish::panoramic("cylindrical", 0), Wish::conquistador("cylindrical", 0)] {
         let mut last = f64::INFINITY;
@@ -146,6 +147,7 @@ fn right_or_refused(strip: &Strip, degree: usize) -> bool {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn long_and_steep_strips_are_right_or_refused() {
     let laws = ["cylindrical", "mercator", "equirectangular", "equal-area"];
     for (k, law) in laws.into_iter().enumerate() {
@@ -162,6 +164,7 @@ fn long_and_steep_strips_are_right_or_refused() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn near_targets_are_right_or_refused() {
     let mut answers = 0;
     for (k, law) in ["cylindrical", "mercator"].into_iter().enumerate() {
@@ -182,6 +185,7 @@ fn near_targets_are_right_or_refused() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn near_targets_of_round_mirrors_are_met_or_refused() {
     // The least radius, for a rim of 30 mm, at which the exact mirror is surely found.
     for (camera, least) in [(oracle::ORTHOGRAPHIC.into(), 30.5), (pinhole(100.0), 35.0)] {

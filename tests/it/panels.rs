@@ -178,6 +178,7 @@ fn meetings(mirror: &Mirror) -> Vec<[f64; 2]> {
 
 /// Walls are as high everywhere as facets need, closed bodies, and their volume is that of the design.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn walls_close_the_part_in_every_arrangement() {
     for panels in layouts() {
         let coarse = text(panels, 8, "\"stl\"").replace("mesh.facet_px = 3", "mesh.chord_um = 5");
@@ -203,6 +204,7 @@ fn walls_close_the_part_in_every_arrangement() {
 /// Lines between panels are straight on the part; through a lens of one radial coefficient they depart from the edges of
 /// the profile by what its polynomial says, and every pixel shows what the panel that is seen there is to show.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_lens_bends_the_lines_between_panels_and_no_pixel_is_lost_to_it() {
     let ideal = text(&QUARTERS, 8, "\"stl\"");
     let (focal, principal, k1) = (160.0 / tan(radians(15.0)), [131.0, 117.0], -0.25);
@@ -261,6 +263,7 @@ fn a_lens_bends_the_lines_between_panels_and_no_pixel_is_lost_to_it() {
 
 /// Rows of a sag table are places of their panel, and its normals there show what the panel is to show.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_sag_table_names_the_panel_of_each_row() {
     let text = text(&COLUMNS, 8, "\"stl\"").replace(
         "export.formats = [\"stl\"]",
@@ -323,6 +326,7 @@ fn files_of_panels_pass_and_show_their_views() {
 
 /// Four views of 60 degrees around show 240 degrees of the horizon, and what lies between them is no one's.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn what_lies_between_two_views_is_not_called_covered() {
     let folder = folder();
     let profile = parsed(&text(&QUARTERS, 12, "\"stl\""));
@@ -334,6 +338,7 @@ fn what_lies_between_two_views_is_not_called_covered() {
 
 /// A copy is measured, trials are made and a trial's part is traced; what knows one smooth surface alone refuses panels.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn commands_know_panels_or_refuse_them() {
     let folder = folder();
     let path = folder.path().join("p.toml");

@@ -180,6 +180,7 @@ fn corners_that_take_up_a_side_but_for_rounding_take_it_up() {
 
 /// Random borders with random holes: refused with a reason, or a proven solid.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn random_parts_close_or_are_refused() {
     let bases = [STRIP, CONQUISTADOR, DISC, ANNULUS, PINHOLE, GIVEN];
     let (mut r, mut of_edges) = (Draws::new(7), Draws::new(8));

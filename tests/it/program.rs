@@ -56,6 +56,7 @@ fn verified(profile: &Profile, program: &str, ball_mm: f64) -> VerifyReport {
 /// The slopes of what a program leaves displace the picture as the study of its raster says, within 2 %, and its depth is that
 /// of the scallops.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_raster_cuts_what_machining_foresees() {
     // Lines may be anywhere.
     let cases = [("conquistador", 0.4, 0.8), ("panoramic", 0.3, 0.5), ("hyperbolic", 0.4, 0.5625)];
@@ -150,6 +151,7 @@ fn a_program_damaged_by_a_digit_fails() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn what_would_spoil_the_part_is_named() {
     let (profile, _, program) = small();
     // A rapid move to the next line through the mirror instead of over it.
@@ -173,6 +175,7 @@ fn what_would_spoil_the_part_is_named() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_command_takes_a_program_with_its_ball() {
     let (_, _, program) = small();
     let folder = folder();

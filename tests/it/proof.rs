@@ -32,6 +32,7 @@ fn hold(what: &str, seen: Seen, face: &Face, limits: &Limits, n: u32, climb: boo
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn bounds_of_shipped_profiles_are_true_and_tight() {
     let profiles = morion::internals::profile::shipped().iter().enumerate();
     for (k, Shipped { name, .. }) in share(6, 0, profiles) {
@@ -104,11 +105,13 @@ fn hold_random(kinds: &[Kind], count: u64) {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn bounds_of_random_mirrors_are_true_and_tight() {
     hold_random(&QUICK, times(6, 40) as u64);
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn bounds_under_pinholes_and_near_targets_are_true_and_tight() {
     hold_random(&SLOW, times(2, 14) as u64);
 }

@@ -79,6 +79,7 @@ fn a_picture_finer_than_rounded_slopes_is_refused() {
 
 /// What is advised works.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_picture_too_near_to_the_horizon_or_a_pole_is_refused_for_that() {
     let plane = "[-40, -2], target_plane_mm = -800";
     for (what, elevation, further, facet_px, said) in [
@@ -113,6 +114,7 @@ fn mirrors_with_a_flat_place_are_refused() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
     let (mut made, mut refused) = (0, 0);
     for law in ["cylindrical", "mercator"] {
@@ -171,6 +173,7 @@ fn results_are_the_same_at_every_size() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn sizes_that_do_not_go_together_are_sound() {
     for (k, width) in ["0.001", "1", "1000", "1000000"].into_iter().enumerate() {
         for base in share(2, k, ["0.001", "5", "1000000"]) {
@@ -185,6 +188,7 @@ fn sizes_that_do_not_go_together_are_sound() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn frames_of_any_shape_are_sound() {
     let layouts = ["strip = {}", "strip = { fill_frame = true }", "conquistador = {}"];
     for (k, pixels) in ["1, 1", "3, 2", "32767, 1", "1, 32767", "2, 3"].into_iter().enumerate() {
@@ -202,6 +206,7 @@ fn frames_of_any_shape_are_sound() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_frame_too_high_for_the_law_is_refused() {
     let fill = ("layout.strip = {}", "layout.strip = { fill_frame = true }");
     let high = ("[640, 480]", "[90, 120]");

@@ -73,6 +73,7 @@ fn an_obj_alone_needs_no_single_precision() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn half_a_nanometre_is_kept_by_an_obj() {
     let folder = folder();
     let home = folder.path();
@@ -154,6 +155,7 @@ fn drawings_and_tables_are_written_without_a_mesh() {
 /// Where there is no mesh, the preview shows the design: what the previews of ever finer meshes tend
 /// to.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_preview_without_a_mesh_shows_the_same_mirror() {
     let folder = folder();
     let home = folder.path();

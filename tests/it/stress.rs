@@ -114,6 +114,7 @@ fn parts_from_a_micron_to_a_kilometre_are_alike() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn elevations_up_to_the_poles() {
     let (mut asked, mut made) = (0, 0);
     let ranges = ["[-89.9, 89.9]", "[0, 89.9]", "[-89.9, -45]", "[89, 89.9]", "[-0.01, 0.01]"];
@@ -139,6 +140,7 @@ fn elevations_up_to_the_poles() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn frames_a_hundred_times_as_long_as_wide() {
     let mut made = 0;
     for pixels in ["[1200, 12]", "[12, 1200]", "[200, 2]", "[2, 200]", "[1, 1]"] {
@@ -157,6 +159,7 @@ fn frames_a_hundred_times_as_long_as_wide() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn degrees_from_2_to_40_by_every_method() {
     for (turn, method) in [(1, "vector-field"), (0, "fixed-surface"), (0, "distribution")] {
         let mut last = f64::INFINITY;
@@ -175,6 +178,7 @@ fn degrees_from_2_to_40_by_every_method() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn targets_from_the_mirrors_rim_to_infinity() {
     let at = |target: &str| {
         let range = format!("[-30, 30]{target}");
@@ -210,6 +214,7 @@ fn pinholes_from_just_above_to_a_thousand_kilometres_away() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn limits_over_eight_decades() {
     let mut made = 0;
     let (mut asked, facets) = (0, [None, Some("1e-3"), Some("0.5"), Some("1e3")]);

@@ -203,6 +203,24 @@ fn nothing_outside_its_builds_is_reachable() {
     assert!(!folder.path().join("out").exists(), "nothing was written");
 }
 
+/// The sketch that follows a slider is the mirror of a low degree by least squares; of one that is made so itself it is that mirror.
+#[test]
+fn a_sketch_is_the_mirror_by_least_squares() {
+    let folder = folder();
+    let studio = Studio::open(folder.path(), SMALL);
+    let of_degree = |words: &str| edited(SMALL, &[("degree = 8", words)]);
+    let seen = |text: &str, sketch: bool| {
+        let asked = json!({ "name": "small", "text": text, "sketch": sketch });
+        studio.post("/preview", &asked).json()
+    };
+    let fine = of_degree("degree = 14\nminimax = true");
+    let sketch = seen(&fine, true);
+    assert!(sketch["picture"].is_string() && sketch == seen(&of_degree("degree = 10"), false));
+    assert_ne!(sketch["judged"], seen(&fine, false)["judged"]);
+    let coarse = of_degree("degree = 6");
+    assert_eq!(seen(&coarse, true), seen(&coarse, false));
+}
+
 #[test]
 fn the_picture_is_that_of_render_byte_for_byte() {
     let folder = folder();

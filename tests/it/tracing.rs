@@ -59,6 +59,7 @@ fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<RayEnd>, T
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn shortcuts_change_nothing_for_shipped_mirrors() {
     let names: Vec<&str> = morion::internals::profile::shipped().iter().map(|p| p.name).collect();
     let names: Vec<&str> = share(3, 1, names).collect();
@@ -73,6 +74,7 @@ fn shortcuts_change_nothing_for_shipped_mirrors() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn shortcuts_change_nothing_where_there_is_shadow() {
     let shadowed = |found: &[RayEnd]| {
         found.iter().filter(|seen| matches!(seen.outcome, Outcome::Shadowed(_))).count()

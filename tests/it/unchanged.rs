@@ -64,6 +64,7 @@ fn an_unchanged_build_is_not_repeated_and_says_the_same() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn whatever_has_changed_is_built_again() {
     let folder = folder();
     let small = folder.path().join("made/small");
@@ -119,6 +120,7 @@ fn a_profile_changed_in_memory_is_another_one() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn no_shortcut_changes_a_byte() {
     let valley = small_but("\"crest\"", "\"valley\"");
     let round =

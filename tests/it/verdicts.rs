@@ -43,6 +43,7 @@ fn told<'r>(reason: &'r str, key: &str) -> &'r str {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_mirror_too_small_for_its_camera_is_told_its_width() {
     let law = format!("projection.equirectangular = {TURN}");
     let report = built(&profile(LAB, &law, "layout.strip = {}", "40"));
@@ -66,6 +67,7 @@ fn a_mirror_too_small_for_its_camera_is_told_its_width() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_law_that_does_not_suit_is_told_what_the_best_one_leaves() {
     let range = "{ azimuth_deg = [-30, 30], elevation_deg = [32, 58] }";
     let camera = "camera.pinhole = { pixels = [640, 480], hfov_deg = 14.25, distance_mm = 600 }";

@@ -169,6 +169,7 @@ fn the_witness_agrees_with_a_tracer_over_all_facets() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn no_pixel_has_a_facet_error_over_the_proven_bound() {
     let uneven = ("[-180, 180]", "[-170, 60]");
     let section = ("layout.strip = {}", "layout.conquistador = { panel = \"section\" }");
@@ -272,6 +273,7 @@ fn per_size(profile: &Profile, facet_px: [f64; 2], error: impl Fn(&PixelTrace) -
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn facet_error_falls_at_first_order_with_the_facets_size() {
     for edits in [&[][..], &[CREST], &[CREST, MERCATOR]] {
         let per_size = per_size(&profile(edits), [4.0, 2.0], |seen| seen.errors.unwrap().facet_mm);
@@ -295,6 +297,7 @@ fn the_conformal_mirrors_ray_error_vanishes_with_the_facets() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_files_normals_show_the_design() {
     for name in ["panoramic", "conquistador"] {
         let mut profile = with_facets(&shipped(name), 1.4);

@@ -4,12 +4,13 @@
 mod derived;
 
 use super::failure::CommandFailure;
+use crate::packed_text::{PackedText, packed_text};
 use crate::results::NamedOutput;
 
 /// An output, and the schema of its type as JSON of several lines.
 struct Output {
     named: NamedOutput,
-    text: &'static str,
+    text: PackedText,
 }
 
 /// Rows of name, what it is, and the commands that it is from.
@@ -17,13 +18,13 @@ macro_rules! outputs {
     ($($name:literal, $what:literal, $from:literal;)+) => {
         [$(Output {
             named: NamedOutput { name: $name, what: $what, from: $from },
-            text: include_str!(concat!($name, ".json")),
+            text: packed_text!(concat!($name, ".json")),
         }),+]
     };
 }
 
 /// All JSON outputs, those of `morion build` first.
-const OUTPUTS: [Output; 23] = outputs![
+static OUTPUTS: [Output; 23] = outputs![
     "bench", "bench.json", "morion bench";
     "build", "report.json of a build", "morion build";
     "dry-run", "forecast of a build", "morion build --dry-run";
@@ -51,7 +52,7 @@ const OUTPUTS: [Output; 23] = outputs![
 
 /// All JSON outputs.
 pub(super) fn outputs() -> impl Iterator<Item = NamedOutput> {
-    OUTPUTS.into_iter().map(|output| output.named)
+    OUTPUTS.iter().map(|output| output.named.clone())
 }
 
 /// The JSON Schema of the output `name`.
@@ -59,8 +60,8 @@ pub(super) fn outputs() -> impl Iterator<Item = NamedOutput> {
 /// # Errors
 /// A sentence that lists the names, if this is none of them.
 pub(super) fn named(name: &str) -> Result<&'static str, CommandFailure> {
-    let known = OUTPUTS.into_iter().find(|output| output.named.name == name);
-    known.map(|output| output.text).ok_or_else(|| {
+    let known = OUTPUTS.iter().find(|output| output.named.name == name);
+    known.map(|output| output.text.text()).ok_or_else(|| {
         let names: Vec<&str> = outputs().map(|output| output.name).collect();
         CommandFailure::unknown("JSON output", name, &names)
     })

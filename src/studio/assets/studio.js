@@ -11,6 +11,9 @@
   let change = 0;
   // Milliseconds of quiet after which the full picture is asked for.
   const QUIET_MS = 400;
+  // Milliseconds in which a picture follows a slider; where the last took longer, a sketch of the mirror follows it.
+  const FOLLOW_MS = 110;
+  let tookMs = 0;
 
   async function ask(method, path, body) {
     const headers = { "X-Morion-Token": token };
@@ -124,22 +127,24 @@
     figure.querySelector(".key-of").replaceChildren(scale, ...keys);
     figure.querySelector("figcaption").textContent = map.title;
   }
-  function showJudged(judged, isWhole) {
+  // How what is shown was made.
+  const HOW = { whole: "smooth mirror", small: "smooth mirror, by the small picture", sketch: "sketch of the mirror, by the small picture" };
+  function showJudged(judged, how) {
     const words = { pass: "Within the limits", fail: "Over the limits" };
     by("verdict").textContent = words[judged.verdict] || "Nothing to judge";
     by("verdict").className = judged.verdict || "";
     const fact = (wanted) => (judged.facts.find(([head]) => head === wanted) || ["", ""])[1];
     const parts = [fact("picture"), fact("part"), fact("camera"), ...judged.reasons].filter(Boolean);
-    by("conclusion").textContent = "(smooth mirror" + (isWhole ? "" : ", by the small picture") + "): " + parts.join("; ");
+    by("conclusion").textContent = "(" + HOW[how] + "): " + parts.join("; ");
     rows(by("facts"), judged.facts);
   }
-  function showSeen(seen, isWhole) {
+  function showSeen(seen, how) {
     frame = seen.frame;
     by("column").max = frame[0] - 1;
     by("row").max = frame[1] - 1;
     showMap(by("errors-map"), seen.errors);
     showMap(by("spots-map"), seen.spots);
-    showJudged(seen.judged, isWhole);
+    showJudged(seen.judged, how);
   }
   let pictureUrl = "";
   function showPicture(url, said) {
@@ -148,13 +153,16 @@
     pictureUrl = url.startsWith("blob:") ? url : "";
     by("size").textContent = said;
   }
-  async function preview(now) {
+  async function preview(now, sketch) {
     try {
-      const seen = await post("/preview", source());
+      const begun = performance.now();
+      const seen = await post("/preview", { ...source(), sketch });
+      if (!sketch) tookMs = performance.now() - begun;
       if (now !== change) return;
       refuse(null);
-      showPicture("data:image/png;base64," + seen.picture, "Test world in the smooth mirror, without shadows; " + seen.pixels.join(" x ") + " pixels while you change it. Shadows come with the next picture, once you pause; the figures below have them.");
-      showSeen(seen, false);
+      const mirror = sketch ? "a sketch of the mirror, of degree 10 at most" : "the smooth mirror";
+      showPicture("data:image/png;base64," + seen.picture, "Test world in " + mirror + ", without shadows; " + seen.pixels.join(" x ") + " pixels while you change it. Shadows come with the next picture, once you pause; the figures below have them.");
+      showSeen(seen, sketch ? "sketch" : "small");
     } catch (error) {
       if (now === change) refuse(error);
     }
@@ -167,23 +175,26 @@
       showPicture(URL.createObjectURL(png), "Test world in the mesh, with the part's shadows; as morion render --scene grid writes it.");
       const seen = await post("/estimate", source());
       if (now !== change) return;
-      showSeen(seen, true);
+      showSeen(seen, "whole");
       const still = await post("/still", source());
       if (now === change) showStill(still);
+      if (now === change && isPartSketched) nextPart(false);
     } catch (error) {
       if (now === change) refuse(error);
     }
   }
   // The part comes after the picture, one request at a time.
   let isPartAsked = false;
-  async function nextPart() {
+  let isPartSketched = false;
+  async function nextPart(sketch) {
     if (isPartAsked) return;
     isPartAsked = true;
     const now = change;
     // What is wrong with a profile the picture has told.
-    const part = await post("/part", source()).catch(() => null);
+    const part = await post("/part", { ...source(), sketch }).catch(() => null);
     isPartAsked = false;
-    if (now !== change) nextPart();
+    isPartSketched = sketch;
+    if (now !== change) nextPart(sketch);
     else if (part) showPart(part);
   }
   let stillUrl = "";
@@ -236,8 +247,10 @@
         }
         if (edits.length) change += 1;
         const now = change;
-        await Promise.all([check(now), preview(now)]);
-        if (now === change) nextPart();
+        // (What is typed or opened is shown as it is.)
+        const sketch = edits.length > 0 && tookMs > FOLLOW_MS;
+        await Promise.all([check(now), preview(now, sketch)]);
+        if (now === change) nextPart(sketch);
         shown = now;
       } while (waiting.size || shown !== change);
     } catch (error) {

@@ -86,6 +86,7 @@ fn rippled(part: &Part, steps: usize, mm: impl Fn(f64) -> f64) -> TriMesh {
 const STEPS: usize = 320;
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_known_form_error_is_reported_and_judged_by_what_it_does() {
     let part = Part::conquistador();
     let folder = folder();
@@ -222,6 +223,7 @@ fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn units_are_found_or_taken_as_told() {
     let part = Part::conquistador();
     let folder = folder();

@@ -32,6 +32,7 @@ fn aligned(part: &Part, mesh: &TriMesh, what: &str) -> Alignment {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_pose_in_range_is_found_to_a_nanometre() {
     let mut draws = Draws::new(1);
     let mut tried = 0;
@@ -114,6 +115,7 @@ fn noise_moves_the_pose_by_no_more_than_its_share() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn one_vertex_in_twenty_may_be_anywhere() {
     let (sigma, tries) = (0.005, 6);
     for part in shipped_like() {

@@ -17,6 +17,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("num", &["parallel"]),
     ("sheet", &[]),
+    ("packed_text", &[]),
     ("tolerance_terms", &["num"]),
     ("geom", &["num", "parallel"]),
     ("raster", &["num"]),

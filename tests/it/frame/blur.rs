@@ -177,6 +177,7 @@ fn rays_spread_as_the_curvature_says_but_for_the_square_of_the_aperture() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_largest_aperture_blurs_to_one_pixel_by_rays_too() {
     let folder = folder();
     for (name, option) in
@@ -257,6 +258,7 @@ fn mirrors_of_a_single_viewpoint_have_no_astigmatism() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_best_focus_is_better_than_others_and_apertures_scale_the_spot() {
     let folder = folder();
     let run = |more: &[&str]| -> Value {
@@ -353,6 +355,7 @@ const LENS: (&str, &str) = ("distance_mm = 200 ", "f_number = 4\ndistance_mm = 2
 
 /// Ellipse, Airy disc and pixel by hand, at the aperture of the profile and at the best of many.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn spots_with_diffraction_are_sums_of_squares_and_the_best_aperture_is_named() {
     let folder = folder();
     let home = folder.path();
@@ -390,6 +393,7 @@ fn spots_with_diffraction_are_sums_of_squares_and_the_best_aperture_is_named() {
 /// The paper's mirror of 60 mm: its images lie at depths 34 mm apart, and no aperture is both small and
 /// large enough. One four times as large is twice as sharp.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn no_aperture_resolves_the_papers_mirror_and_a_larger_one_is_sharper() {
     let folder = folder();
     let home = folder.path();

@@ -21,6 +21,7 @@ fn number(value: &Value, pointer: &str) -> f64 {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_papers_folded_mirror_and_the_conformal_one_fill_the_frame() {
     let folder = folder();
     for name in ["conquistador", "conformal"] {

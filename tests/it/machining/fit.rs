@@ -97,6 +97,7 @@ fn a_ball_too_large_for_a_hollow_is_a_negative_verdict_and_leaves_no_part() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_ball_that_fits_nowhere_is_a_negative_verdict_with_its_map() {
     let folder = folder();
     let home = folder.path();
@@ -138,6 +139,7 @@ fn a_ball_that_fits_nowhere_is_a_negative_verdict_with_its_map() {
 
 /// A map against no search but brute force: all centres of a grid against all nodes of a fine one.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_map_of_the_panoramic_mirror_is_that_of_brute_force() {
     let mirror = design(&load("panoramic").unwrap()).unwrap().mirror;
     let rim = bounding_corners(&plan_outlines(&mirror));

@@ -86,6 +86,7 @@ fn a_flat_mirror_has_the_shop_formulas_and_the_volume_of_its_scallops() {
 
 /// What is foreseen is of first order in the stepover: it is met the better the smaller that is.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_witness_finds_the_pixel_error_that_was_foreseen() {
     let folder = folder();
     let pinhole = [
@@ -258,6 +259,7 @@ fn the_stepover_that_is_offered_instead_is_taken() {
 /// Without a stepover the largest is taken that keeps what is asked for, or, where nothing is, what a build
 /// is held to; written down it keeps it too. An as-cut part of too many facets is left out with a note.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
     let folder = folder();
     let source = builds::parsed(SMALL);

@@ -216,6 +216,7 @@ fn plane() -> String {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
     let names = [
@@ -261,6 +262,7 @@ fn the_page_of_reports_has_every_key() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_page_of_studies_has_every_key() {
     let runs = Runs::new();
     let frames =

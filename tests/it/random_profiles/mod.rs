@@ -147,7 +147,7 @@ fn refusal(error: &Error) -> Result<&'static str, String> {
 
 #[test]
 fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
-    let count = times(20, 10_000);
+    let count = times(8, 10_000);
     // Nothing here is to survive the loss of power.
     let memory = Path::new("/dev/shm");
     let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
@@ -349,6 +349,7 @@ sag = { path = \"raster\", pitch_mm = 0.06348, step_mm = 0.0397 }
 
     /// Two points of its packing fall on one place.
     #[test]
+    #[ignore = "long: .ci/nightly"]
     fn a_crowded_packing_has_no_two_points_in_one_place() {
         let text = "\
 camera.orthographic = { pixels = [14, 1] }
@@ -379,6 +380,7 @@ export.formats = [\"stl\"]
 
     /// Facets by the million, of which most fail and are split in vain.
     #[test]
+    #[ignore = "long: .ci/nightly"]
     fn what_splitting_cannot_mend_is_refused_before_it_is_made() {
         for (pixels, method, table, part, limits, formats, said) in [
             (

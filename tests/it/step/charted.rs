@@ -88,6 +88,7 @@ fn compare(name: &str, body: &Body) -> usize {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn rays_of_a_camera_meet_mirrors_where_each_ray_does() {
     for case in share(14, 1, all()) {
         let body = Body::read(&written(&case, &fitted(&case))).unwrap();

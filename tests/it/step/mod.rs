@@ -191,6 +191,7 @@ fn side_faces(stock: &Border) -> usize {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn bodies_are_closed_and_their_edges_lie_on_their_faces() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("step");
     std::fs::create_dir_all(&folder).unwrap();
@@ -355,6 +356,7 @@ fn from_mirror(mirror: &Mirror, p: DVec3) -> Option<f64> {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn faces_are_the_mirror_to_what_is_said() {
     for case in all() {
         let fit = fitted(&case);
@@ -420,6 +422,7 @@ fn faces_are_the_mirror_to_what_is_said() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn shipped_mirrors_take_few_bytes() {
     for case in all().into_iter().take(SHIPPED.len()) {
         let fit = fitted(&case);

@@ -53,6 +53,7 @@ fn told(file: &File) -> (Vec<(String, String)>, usize) {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_datum_feature_is_a_face_of_its_kind_and_the_tolerance_is_of_the_whole_mirror() {
     for case in share(2, 0, all()) {
         let scheme = datums(&case);
@@ -77,6 +78,7 @@ fn every_datum_feature_is_a_face_of_its_kind_and_the_tolerance_is_of_the_whole_m
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_shape_is_that_of_ap214() {
     for case in all().into_iter().take(4) {
         let plain = String::from_utf8(written(&case, &fitted(&case))).unwrap();

@@ -61,6 +61,7 @@ fn means(engine: &Engine, value: (Perturbation, f64)) -> [Vec<f64>; 3] {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn content_moves_by_the_mean_over_a_pixel_and_blurs_by_the_rest() {
     let designs = [designed(&shipped("conquistador")), designed(&webcam())];
     for (k, design) in designs.iter().enumerate() {
@@ -144,6 +145,7 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
 
 /// Real meshes of three mirrors: points move by half the bound, pixels by far less where facets are finer.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn facets_finer_than_pixels_average_out() {
     let designs =
         [designed(&shipped("conquistador")), designed(&shipped("parabolic")), designed(&webcam())];

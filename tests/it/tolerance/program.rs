@@ -263,6 +263,7 @@ fn absurd_limits_lose_rays_and_say_so() {
 
 /// One trial has no scatter; a picture of few pixels more adjustments than equations.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn little_to_go_by_leaves_no_odd_figures() {
     let folder = folder();
     let home = folder.path();
@@ -286,6 +287,7 @@ fn little_to_go_by_leaves_no_odd_figures() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn facets_are_of_the_mesh_that_the_part_is_made_from() {
     let folder = folder();
     let home = folder.path();
@@ -368,6 +370,7 @@ fn fixed_errors_have_a_sign() {
 
 /// Mirrors that are polished can be used; prints as they come cannot, and are worse than milled ones.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn every_shipped_mirror_passes_polished_and_none_is_better_printed_than_milled() {
     let folder = folder();
     let home = folder.path();
@@ -393,6 +396,7 @@ fn every_shipped_mirror_passes_polished_and_none_is_better_printed_than_milled()
 
 /// Neither a build nor anything else in the folder changes an answer.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_build_beside_changes_no_answer() {
     let folder = folder();
     let home = folder.path();

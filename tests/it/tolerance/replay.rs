@@ -49,6 +49,7 @@ fn figures(judged: &Value) -> [f64; 4] {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_replayed_trial_has_the_figures_of_the_run_and_its_files_show_them() {
     let folder = folder();
     let home = folder.path();

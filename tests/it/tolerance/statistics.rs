@@ -231,6 +231,7 @@ fn trials_end_when_the_yield_is_known_well_enough() {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn limits_fed_forward_hit_the_budget() {
     use Criterion::{P95, Rms};
     let cases = [
@@ -335,6 +336,7 @@ fn random_slope_on_facets_never_improves_the_figure() {
 /// The sampled picture is the whole picture: without errors it is as far from the projection as the
 /// design is over all of its panel and rim.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn the_samples_are_the_picture_of_every_shipped_mirror() {
     for shipped in morion::internals::profile::shipped() {
         let design = designed(&crate::support::shipped(shipped.name));
@@ -374,6 +376,7 @@ fn a_perfect_part_of_a_design_beyond_the_budget_fails() {
 /// What forms of a high order displace at the rim counts: a Legendre term on a strip against the
 /// mean over its whole picture, dense and by hand.
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn forms_displace_the_whole_picture() {
     for name in ["panoramic", "conquistador"] {
         let design = designed(&shipped(name));

@@ -92,6 +92,7 @@ fn timings(home: &Path) -> BTreeMap<String, [u64; 2]> {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_run_says_what_each_stage_did_and_avoided() {
     let folder = folder();
     let home = folder.path();

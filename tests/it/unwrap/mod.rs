@@ -180,6 +180,7 @@ fn inside(design: &Design, [x, y]: [f32; 2]) -> bool {
 }
 
 #[test]
+#[ignore = "long: .ci/nightly"]
 fn a_world_seen_through_the_mirror_and_unwrapped_is_its_direct_projection() {
     let world = world();
     for (profile, error_px) in mirrors() {
