@@ -101,6 +101,19 @@ try {
   const unnamed = await page.evaluate(() => [...document.querySelectorAll("input, select, textarea, button")]
     .filter((one) => !one.labels?.length && !one.getAttribute("aria-label") && !one.textContent).map((one) => one.id || one.outerHTML));
   hold(unnamed.length === 0, "every field has a label: " + unnamed);
+  // A mirror that takes long is followed by a sketch of it, of which the whole picture takes the place.
+  await page.selectOption("#shipped", "floor");
+  await says("size", "as morion render");
+  const wide = page.locator("#key-part\\.width_mm + input[type=range]");
+  const slid = Date.now();
+  await wide.evaluate((range) => { range.value = Number(range.value) * 1.01; range.dispatchEvent(new Event("input", { bubbles: true })); });
+  await says("size", "a sketch of the mirror");
+  console.log("      a sketch of floor after " + (Date.now() - slid) + " ms");
+  await says("conclusion", "sketch of the mirror");
+  await says("size", "as morion render");
+  await says("conclusion", "(smooth mirror):");
+  hold(true, "a sketch follows a slider, and the mirror itself comes after it");
+
   await page.setViewportSize({ width: 360, height: 800 });
   await page.emulateMedia({ colorScheme: "dark" });
   hold(await page.evaluate(() => document.documentElement.scrollWidth) <= 360, "it fits 360 pixels");
