@@ -53,7 +53,10 @@ const TABLE: &[(&str, &[&str])] = &[
     ("pipeline", ALL_ABOVE),
     ("bench", ALL_ABOVE),
     ("studio", ALL_ABOVE),
-    ("cli", &["bench", "parallel", "pipeline", "profile", "report", "results", "studio"]),
+    (
+        "cli",
+        &["bench", "packed_text", "parallel", "pipeline", "profile", "report", "results", "studio"],
+    ),
     ("front", &["pipeline", "profile", "results"]),
     ("internals", ALL_ABOVE),
     ("main", &["internals"]),
