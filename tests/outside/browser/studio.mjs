@@ -104,6 +104,8 @@ try {
   // A mirror that takes long is followed by a sketch of it, of which the whole picture takes the place.
   await page.selectOption("#shipped", "floor");
   await says("size", "as morion render");
+  await says("conclusion", "(smooth mirror):");
+  await page.waitForTimeout(3000);
   const wide = page.locator("#key-part\\.width_mm + input[type=range]");
   const slid = Date.now();
   await wide.evaluate((range) => { range.value = Number(range.value) * 1.01; range.dispatchEvent(new Event("input", { bubbles: true })); });
