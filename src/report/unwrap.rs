@@ -73,12 +73,13 @@ impl ToRows for ViewFacts {
 
 impl ToRows for GroundFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let Self { pixels: [width, height], height_mm, range_mm, mm_per_px, .. } = self;
+        let Self { pixels: [width, height], height_mm, range_mm, mm_per_px, row_mm, .. } = self;
+        let way = if *row_mm < 0.0 { "up" } else { "down" };
         let [range_mm, mm_per_px] = [*range_mm, *mm_per_px].map(three_digits);
         rows.terminal(
             "ground",
             format!(
-                "{width} x {height} pixels of {mm_per_px} mm, X to the right and Y up; Z = {height_mm} mm in the part's frame, to {range_mm} mm from the axis"
+                "{width} x {height} pixels of {mm_per_px} mm, X to the right and Y {way}; Z = {height_mm} mm in the part's frame, to {range_mm} mm from the axis"
             ),
         );
     }

@@ -78,7 +78,7 @@ pub struct ViewFacts {
     pub field_deg: f64,
 }
 
-/// A plan of a floor, X to the right and Y up.
+/// A plan of a floor as seen from the mirror, X to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GroundFacts {

@@ -11,6 +11,7 @@ use morion::internals::pipeline::{
 };
 use morion::internals::profile::Profile;
 use morion::internals::raster::Raster;
+use morion::internals::report::Answer;
 use morion::internals::results::UnwrapReport;
 use std::path::{Path, PathBuf};
 
@@ -196,6 +197,10 @@ fn views_and_plans_hold_what_traced_rays_show() {
             assert_eq!(holes(&map), 0, "{} {name}", profile.name);
             let [columns, rows] = design.camera.pixels;
             assert!(missed < (columns + rows) as usize, "{} {name}: {missed} missed", profile.name);
+            if let Some(floor) = &map.report.ground {
+                let way = if floor.row_mm < 0.0 { "Y up" } else { "Y down" };
+                assert!(floor.row_mm * z_mm > 0.0 && map.report.text().contains(way));
+            }
             // A floor 2 % farther and a field 2 % wider are told apart.
             let altered = match name {
                 "view" => pinhole([angles[0], angles[1], 1.02 * angles[2]], size),
