@@ -126,11 +126,13 @@ formats = ["stl"]
 #[test]
 fn every_control_reads_the_same_moves_and_a_digit_spoils_them() {
     let read = |control: MillControl| {
-        let mut profile = small("ball_mm = 1.5\nstepover_mm = 0.3");
+        // Lines that are farther apart are sooner cut, and displace the picture in proportion.
+        let mut profile = small("ball_mm = 1.5\nstepover_mm = 0.12");
+        let coarser = times(5, 2) as f64 / 2.0;
+        profile.program.finishing.stepover_mm = Some(0.12 * coarser);
+        profile.accept.pixel_error_rms_px = Some(4.0 * coarser);
+        profile.accept.pixel_error_max_px = Some(12.0 * coarser);
         profile.program.control = control;
-        // (Lines so far apart are soon cut.)
-        profile.accept.pixel_error_rms_px = Some(8.0);
-        profile.accept.pixel_error_max_px = Some(25.0);
         let (report, files) = milled(&profile);
         assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
         let programs = OperationKind::ALL.map(|kind| text(&files, &format!("{}.ngc", kind.name())));

@@ -147,7 +147,7 @@ fn refusal(error: &Error) -> Result<&'static str, String> {
 
 #[test]
 fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
-    let count = times(8, 10_000);
+    let count = times(20, 10_000);
     // Nothing here is to survive the loss of power.
     let memory = Path::new("/dev/shm");
     let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };

@@ -81,7 +81,6 @@ fn colour_of(name: &str) -> [f64; 3] {
 
 /// A plain through hole has its number alone; any other the words of the drawing too.
 #[test]
-#[ignore = "long: .ci/nightly"]
 fn holes_have_the_words_of_the_drawing_in_their_names() {
     let cases = cases();
     let case = cases.iter().find(|case| case.name == "conquistador-stock-drilled").unwrap();
