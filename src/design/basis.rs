@@ -167,11 +167,13 @@ impl Basis {
         };
         // A largest error is that of what is wanted.
         let counts = |image: DVec2| places != NodeSet::Extrema || is_wanted(image);
-        let seen = (0..in_picture.len()).filter(|&k| counts(in_picture.at(k))).map(|k| {
+        // (A lens is inverted at each of them.)
+        let seen = parallel::map(in_picture.len(), WORTH_THREADS, |k| {
             let image = in_picture.at(k);
             let weight = share(image) * in_picture.weight(k);
-            (view.picture.chart_point(image), weight, in_picture.coarse(k))
+            counts(image).then(|| (view.picture.chart_point(image), weight, in_picture.coarse(k)))
         });
+        let seen: Vec<_> = seen.into_iter().flatten().collect();
         let all = (0..whole.len()).map(|k| {
             let q = whole.at(k);
             let (image, density) = (view.picture.image_point(q), view.picture.density(q));
@@ -179,8 +181,8 @@ impl Basis {
         });
         let shows = |q: DVec2| picture.contains(view.picture.image_point(q));
         let beyond = all.clone().filter(|(q, ..)| places != NodeSet::Extrema && !shows(*q));
-        let places: Vec<_> = match seen.clone().all(|(q, ..)| area.contains(q)) {
-            true => seen.chain(beyond).collect(),
+        let places: Vec<_> = match seen.iter().all(|(q, ..)| area.contains(*q)) {
+            true => seen.into_iter().chain(beyond).collect(),
             // A mirror smaller than the picture ends before it.
             false => all.filter(|(q, ..)| counts(view.picture.image_point(*q))).collect(),
         };

@@ -2,7 +2,11 @@
 
 use super::{CameraModel, Distortion, DistortionFault};
 use crate::num::hypot;
+use crate::parallel;
 use thiserror::Error;
+
+/// Corners of pixels whose ways are worth a thread of their own: a millisecond's.
+const WORTH_THREADS: usize = 64;
 
 /// What a calibration finds of a camera. Its picture points are from the upper left corner of the frame, x to
 /// the right and y downwards, with the centres of pixels at halves.
@@ -59,13 +63,15 @@ impl Calibration {
     /// # Errors
     /// [`PixelFault`] of the nearest place to the principal point that has none.
     pub fn check(&self) -> Result<(), PixelFault> {
-        let nearest = self
-            .boundary()
-            .filter_map(|corner| {
-                let (share, reason) = self.distortion.first_fault(self.normalised(corner))?;
-                let way = [0, 1].map(|k| share * (corner[k] - self.principal_px[k]));
-                Some((way, reason))
-            })
+        let corners: Vec<[f64; 2]> = self.boundary().collect();
+        let faults = parallel::map_slice(&corners, WORTH_THREADS, |corner| {
+            let (share, reason) = self.distortion.first_fault(self.normalised(*corner))?;
+            let way = [0, 1].map(|k| share * (corner[k] - self.principal_px[k]));
+            Some((way, reason))
+        });
+        let nearest = faults
+            .into_iter()
+            .flatten()
             .min_by(|(a, _), (b, _)| hypot(a[0], a[1]).total_cmp(&hypot(b[0], b[1])));
         let Some((way, reason)) = nearest else { return Ok(()) };
         let pixel = [0, 1].map(|k| {

@@ -114,6 +114,18 @@ impl Camera {
         Self { pixels, pixel_mm: self.pixel_mm * scale, ..self }
     }
 
+    /// The same camera with so many columns at most, and rows in their number.
+    #[must_use]
+    pub fn at_most(self, columns: u32) -> Self {
+        let [width, height] = self.pixels;
+        if width <= columns {
+            return self;
+        }
+        let scale = f64::from(width) / f64::from(columns);
+        let rows = ((f64::from(height) / scale).round() as u32).max(1);
+        self.with_pixels([columns, rows])
+    }
+
     /// Camera of a model over a mirror `width_mm` wide, its reference plane at Z = 0.
     #[must_use]
     pub fn new(model: &CameraModel, mount: &Mount, width_mm: f64) -> Self {

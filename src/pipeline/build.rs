@@ -22,7 +22,8 @@ use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
 use crate::raster::FalseColourMap;
 use crate::render::{
-    CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
+    CameraPicture, CameraView, Distance, ReflectedCentres, SmoothSight, TestWorld, TracedMesh,
+    UnwantedViews,
 };
 use crate::report::BuildFigures;
 use crate::results::{
@@ -208,7 +209,8 @@ impl Made {
             }
         }
         // Without a mesh file the designed mirror is what there is to see.
-        let view = if traced.is_empty() { CameraView::Smooth } else { CameraView::Shut };
+        let smooth = SmoothSight::new(design);
+        let view = if traced.is_empty() { CameraView::Smooth(&smooth) } else { CameraView::Shut };
         let mut cad = Vec::new();
         for export in exports {
             let staged = run.files.staged(export.format().file_name())?;

@@ -92,6 +92,6 @@ pub(crate) use {
 #[cfg(feature = "studio")]
 pub(crate) use {
     mesh_files::label as mesh_label,
-    page_figures::{coarse_part, glb, shadowed, sharpness_map, still},
+    page_figures::{coarse_part, drawn_spots, glb, shadowed, sharpness_map, still},
     run::designed_unmeasured,
 };

@@ -13,7 +13,7 @@ use crate::solid::Solid;
 #[cfg(feature = "studio")]
 use crate::trace::{CameraTrace, Obstacles, Outcome, RayEnd};
 use crate::trace::{PixelTrace, Scene, TraceStrip};
-use crate::verdict::sharpness::spot_sizes;
+use crate::verdict::sharpness::{SpotSizes, spot_sizes};
 #[cfg(feature = "studio")]
 use std::sync::Arc;
 
@@ -60,13 +60,13 @@ pub(crate) fn still(part: &Solid) -> Option<Vec<u8>> {
     shaded_view(&Scene::new(part.mesh().clone())).to_png().ok()
 }
 
-/// For each pixel of a thinned frame whether the part or an obstacle is in the way of what it sees: of the coarse part
-/// that a page turns. None where the part has no mesh.
+/// For each of so many columns and rows of pixels in the camera's frame whether the part or an obstacle is in the way of what it sees: of
+/// the coarse part that a page turns. None where the part has no mesh.
 #[cfg(feature = "studio")]
-pub(crate) fn shadowed(design: &Design, frame: ThinnedFrame) -> Option<Vec<bool>> {
+pub(crate) fn shadowed(design: &Design, pixels: [u32; 2]) -> Option<Vec<bool>> {
     let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref()).map(Arc::new);
     let scene = Scene::new(coarse_part(design)?.mesh().clone()).among(obstacles);
-    let camera = design.camera.with_pixels(frame.pixels());
+    let camera = design.camera.with_pixels(pixels);
     let (ends, _) = CameraTrace::new(&scene, &camera, scene.above_mm()).run();
     let is_hidden =
         |end: &RayEnd| matches!(end.outcome, Outcome::Shadowed(_) | Outcome::Obstructed(_));
@@ -159,6 +159,10 @@ pub(crate) fn sharpness_map(
     design: &Design,
     sharpness: Option<&SharpnessFacts>,
 ) -> Option<FalseColourMap> {
-    let found = spot_sizes(design, sharpness?)?;
-    Some(spot_map(found.pixels, &found.sizes_px, &found.quantiles, "size of the spots, px"))
+    Some(drawn_spots(&spot_sizes(design, sharpness?)?))
+}
+
+/// The map of sizes of spots.
+pub(crate) fn drawn_spots(found: &SpotSizes) -> FalseColourMap {
+    spot_map(found.pixels, &found.sizes_px, &found.quantiles, "size of the spots, px")
 }

@@ -13,7 +13,8 @@ use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
     CameraPicture, CameraView, Chessboard, Distance, Picture, ReflectedCentres, SetupDiagram,
-    TestWorld, TracedMesh, World, optical_normal, pixel_errors, reflected, shaded_views,
+    SmoothSight, TestWorld, TracedMesh, World, optical_normal, pixel_errors, reflected,
+    shaded_views,
 };
 use crate::report::pixel_error_map;
 use crate::results::{RenderReport, SCHEMA};
@@ -56,7 +57,9 @@ impl Command for RenderOptions<'_> {
                 (traced, (pixels, errors.len() as u64))
             }
             Scenery::World(world) if self.smooth => {
-                ("design", self.write_world(run, &name, &design, (CameraView::Smooth, world))?)
+                let sight = SmoothSight::new(&design);
+                let view = CameraView::Smooth(&sight);
+                ("design", self.write_world(run, &name, &design, (view, world))?)
             }
             Scenery::World(world) => {
                 let mut centres = ReflectedCentres::default();

@@ -3,11 +3,11 @@
 
 use super::picture::StripPainter;
 use super::samples::{EdgePixels, LineByLine, OneByOne, SampleGrid, SampleSight, Sight};
+use super::smooth_sight::SmoothSight;
 use super::{Picture, PictureRay, World};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
-use crate::mirror::HeightAndSlope;
-use crate::optics::{Camera, reflect};
+use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
 use crate::raster::png;
 use crate::trace::{
@@ -52,8 +52,8 @@ pub(crate) enum CameraView<'a> {
     /// A mesh that was read back. Whether a place between the pixels' centres lies in shadow is taken from
     /// its pixel's centre.
     Mesh(&'a TracedMesh),
-    /// The designed mirror, as if no part of it were in another's way.
-    Smooth,
+    /// The designed mirror.
+    Smooth(&'a SmoothSight<'a>),
     /// Nothing.
     Shut,
 }
@@ -77,6 +77,8 @@ pub(crate) struct CameraPicture<'a> {
     camera: Camera,
     samples_per_side: u32,
     turned: bool,
+    /// The rays that the designed mirror reflects at the pixels' centres, row by row; none where they are not known.
+    centres: &'a [Option<Ray>],
     /// What hides the designed mirror and what it shows; a mesh has its own.
     obstacles: Option<Obstacles>,
 }
@@ -92,21 +94,23 @@ impl<'a> CameraPicture<'a> {
     ) -> Self {
         let camera = design.camera;
         let obstacles = match view {
-            CameraView::Smooth => Obstacles::new(&design.obstacles, design.view.as_ref()),
+            CameraView::Smooth(_) => Obstacles::new(&design.obstacles, design.view.as_ref()),
             CameraView::Mesh(_) | CameraView::Shut => None,
         };
-        Self { design, view, distance, camera, samples_per_side, turned: false, obstacles }
+        let (turned, centres) = (false, [].as_slice());
+        Self { design, view, distance, camera, samples_per_side, turned, centres, obstacles }
     }
 
     /// The same of a camera with fewer pixels, if it has more than `columns` of them in a row.
     pub(crate) fn at_most(mut self, columns: u32) -> Self {
-        let [width, height] = self.camera.pixels;
-        if width > columns {
-            let scale = f64::from(width) / f64::from(columns);
-            let rows = ((f64::from(height) / scale).round() as u32).max(1);
-            self.camera = self.camera.with_pixels([columns, rows]);
-        }
+        self.camera = self.camera.at_most(columns);
         self
+    }
+
+    /// The same where the rays are known that the designed mirror reflects at the centres of the pixels, row by row.
+    #[cfg(feature = "studio")]
+    pub(crate) fn with_centres(self, centres: &'a [Option<Ray>]) -> Self {
+        Self { centres, ..self }
     }
 
     /// The same of a camera that is held upside down.
@@ -175,7 +179,7 @@ impl<'a> CameraPicture<'a> {
             let rows = rows_of(rows);
             ordered(match (self.view, &trace) {
                 (CameraView::Mesh(mesh), Some(trace)) => self.centres_on_mesh(mesh, trace, rows),
-                (CameraView::Smooth, _) => self.centres_on_mirror(rows),
+                (CameraView::Smooth(sight), _) => self.centres_on_mirror(sight, rows),
                 _ => vec![MISSED; width as usize * rows.len()],
             })
         };
@@ -207,10 +211,10 @@ impl<'a> CameraPicture<'a> {
                 let sight = MeshSight { picture: self, scene, rays, one_by_one };
                 painter.paint(strips, centres, &sight, done)
             }
-            CameraView::Smooth => {
+            CameraView::Smooth(sight) => {
                 let line_by_line = LineByLine(|columns: &[f64], y: f64| {
                     let columns: Vec<f64> = columns.iter().map(|x| on_sensor(0, *x)).collect();
-                    self.on_mirror(&columns, on_sensor(1, y))
+                    self.on_mirror(sight, &columns, on_sensor(1, y))
                 });
                 painter.paint(strips, centres, &line_by_line, done)
             }
@@ -258,12 +262,19 @@ impl<'a> CameraPicture<'a> {
     }
 
     /// The same by the designed mirror.
-    fn centres_on_mirror(&self, rows: Range<usize>) -> Vec<PictureRay> {
-        let columns: Vec<f64> = (0..self.camera.pixels[0]).map(|x| f64::from(x) + 0.5).collect();
+    fn centres_on_mirror(&self, sight: &SmoothSight, rows: Range<usize>) -> Vec<PictureRay> {
+        let width = self.camera.pixels[0] as usize;
+        let columns: Vec<f64> = (0..width).map(|x| x as f64 + 0.5).collect();
         let first = rows.start;
-        parallel::gather(rows.len(), 1, |rows| {
-            rows.flat_map(|y| self.on_mirror(&columns, (first + y) as f64 + 0.5)).collect()
-        })
+        let is_known = self.centres.len() == width * self.camera.pixels[1] as usize;
+        let row = |row: usize| match is_known {
+            true => {
+                let points = self.points(&columns, row as f64 + 0.5);
+                self.painted(&points, &self.centres[row * width..(row + 1) * width])
+            }
+            false => self.on_mirror(sight, &columns, row as f64 + 0.5),
+        };
+        parallel::gather(rows.len(), 1, |rows| rows.flat_map(|y| row(first + y)).collect())
     }
 
     fn leaving(&self, at: DVec3, direction: DVec3) -> PictureRay {
@@ -300,15 +311,23 @@ impl<'a> CameraPicture<'a> {
     }
 
     /// The rays of places of a row of the picture, by the designed mirror.
-    fn on_mirror(&self, columns: &[f64], y: f64) -> Vec<PictureRay> {
-        let point = |&x: &f64| self.camera.image_point(x, y);
-        let points: Vec<DVec2> = columns.iter().map(point).collect();
-        let painted = |(&point, end): (&DVec2, Option<Ray>)| match self.hidden(point, end.as_ref())
-        {
+    fn on_mirror(&self, sight: &SmoothSight, columns: &[f64], y: f64) -> Vec<PictureRay> {
+        let points = self.points(columns, y);
+        self.painted(&points, &sight.reflected(&points))
+    }
+
+    /// Image points of places of a row, mm.
+    fn points(&self, columns: &[f64], y: f64) -> Vec<DVec2> {
+        columns.iter().map(|x| self.camera.image_point(*x, y)).collect()
+    }
+
+    /// The picture's rays of image points at which the designed mirror reflects these rays.
+    fn painted(&self, points: &[DVec2], reflected: &[Option<Ray>]) -> Vec<PictureRay> {
+        let ray = |(&point, end): (&DVec2, &Option<Ray>)| match self.hidden(point, end.as_ref()) {
             Some(number) => PictureRay::lost(Outcome::Obstructed(number)),
             None => end.map_or(MISSED, |ray| self.leaving(ray.origin, ray.direction)),
         };
-        points.iter().zip(reflected(self.design, &points)).map(painted).collect()
+        points.iter().zip(reflected).map(ray).collect()
     }
 }
 
@@ -362,26 +381,6 @@ impl<F: Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync> Sight for MeshSight<'_, 
 const MISSED: PictureRay = PictureRay::lost(Outcome::Missed);
 /// Rows of a strip where nothing is traced.
 const ROWS: usize = 128;
-
-/// The rays that leave the designed mirror where the camera sees it at `points` (best in lines of
-/// equal y): none off the mirror.
-pub(crate) fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
-    let Design { mirror, camera, .. } = design;
-    let outline = mirror.full_outline();
-    let under = |&q: &DVec2| {
-        let on_chart = camera.picture.chart_point(q);
-        mirror.intersect_camera_ray(&camera.chart, on_chart).unwrap_or(DVec2::INFINITY)
-    };
-    let places: Vec<DVec2> = points.iter().map(under).collect();
-    let leave = |((&q, place), point): ((&DVec2, &DVec2), HeightAndSlope)| {
-        outline.contains(*place).then(|| {
-            let arriving = camera.ray(q, 0.0).direction;
-            let direction = reflect(arriving, mirror.normal(*place, &point));
-            Ray { origin: mirror.position(*place, &point), direction }
-        })
-    };
-    points.iter().zip(&places).zip(mirror.eval_many(&places)).map(leave).collect()
-}
 
 /// Whether a place of the part is not polished: the land inside a ring, and what is below the mirror.
 fn is_dull(design: &Design, at: DVec3) -> bool {

@@ -21,27 +21,29 @@ mod section;
 mod setup_diagram;
 mod shaded_views;
 mod side_view;
+mod smooth_sight;
 mod solid_of_revolution;
 pub mod test_world;
 mod text_distance_field;
 mod unwanted_views;
 
 pub use crate::raster::EncodingError;
-pub(crate) use camera_view::{
-    CameraPicture, CameraView, Distance, ReflectedCentres, TracedMesh, reflected,
-};
+pub(crate) use camera_view::{CameraPicture, CameraView, Distance, ReflectedCentres, TracedMesh};
 pub use chessboard::Chessboard;
 pub use coarse_mesh::coarse_mesh;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
 pub use picture::{Picture, StripPainter};
 pub use pixel_errors::pixel_errors;
+#[cfg(feature = "studio")]
+pub(crate) use pixel_errors::pixel_errors_of;
 pub use samples::{EdgePixels, LineByLine, OneByOne, PictureRay, SampleGrid, SampleSight, Sight};
 pub use section::{AxialPlane, PartSection};
 pub use setup_diagram::SetupDiagram;
 pub(crate) use shaded_views::optical_normal;
 pub use shaded_views::{shaded_view, shaded_views};
 pub use side_view::{SideView, ViewRay};
+pub(crate) use smooth_sight::{SmoothSight, reflected};
 pub use test_world::TestWorld;
 pub use unwanted_views::{OwnCamera, UnwantedViews};
 

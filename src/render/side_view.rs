@@ -1,7 +1,7 @@
 //! The side view: the part cut through its axis, and the rays at the ends of the picture.
 
-use super::camera_view::reflected;
 use super::section::{AxialPlane, PartSection};
+use super::smooth_sight::reflected;
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray, TriMesh};
 use crate::num::{asin, degrees};

@@ -1,6 +1,6 @@
 //! What a mirror shows that nobody asks for: parts of the world a second time, and the camera itself.
 
-use super::camera_view::reflected;
+use super::smooth_sight::reflected;
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::degrees;

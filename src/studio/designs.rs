@@ -2,6 +2,7 @@
 
 use super::failure::RequestFailure;
 use crate::design::Design;
+use crate::optics::CameraModel;
 use crate::pipeline::designed_unmeasured;
 use crate::profile::{Method, MethodKind, Profile, ShapeSpec};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,6 +11,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 const KEPT: usize = 3;
 /// Highest degree of a sketch: half of a preview of the shipped mirrors by more is their design.
 const SKETCH_DEGREE: usize = 10;
+/// The same of what takes longer: panels, each of which is a mirror of its own, and behind a lens that bends lines, so that no two places
+/// of a row of pixels have a coordinate in common.
+const COSTLY_SKETCH_DEGREE: usize = 8;
 
 /// The last designs, not measured, the newest last.
 #[derive(Debug, Default)]
@@ -58,7 +62,9 @@ impl LastDesigns {
 pub(super) fn sketch(profile: &Profile) -> Option<Profile> {
     let ShapeSpec::Designed(method) = profile.shape else { return None };
     let kind = MethodKind::VectorField;
-    let degree = method.degree.min(SKETCH_DEGREE);
+    let is_costly =
+        !profile.is_one_surface() || matches!(profile.camera, CameraModel::Calibrated { .. });
+    let degree = method.degree.min(if is_costly { COSTLY_SKETCH_DEGREE } else { SKETCH_DEGREE });
     let sketched = Method { kind, degree, minimax: false };
     (sketched != method)
         .then(|| Profile { shape: ShapeSpec::Designed(sketched), ..profile.clone() })

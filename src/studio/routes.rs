@@ -60,7 +60,7 @@ struct Source {
 }
 
 /// How near to the profile's design what is asked for has to be.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, Copy, Deserialize)]
 struct Fidelity {
     #[serde(default)]
     sketch: bool,
@@ -110,12 +110,14 @@ impl Studio {
                 Ok(Content::Json(json!({ "text": text })))
             }
             ("POST", "/preview") => {
-                self.of_design(&self.quick, preview, asked, |design| json(view::preview(design)))
+                self.of_design(&self.quick, preview, asked, |design, fidelity| {
+                    json(view::preview(design, fidelity.sketch))
+                })
             }
             ("POST", "/part") => {
-                self.of_design(&self.beside, part, asked, |design| json(view::part(design)))
+                self.of_design(&self.beside, part, asked, |design, _| json(view::part(design)))
             }
-            ("POST", "/still") => self.of_design(&self.slow, still, asked, |design| {
+            ("POST", "/still") => self.of_design(&self.slow, still, asked, |design, _| {
                 view::part_still(design).map(Content::Png)
             }),
             ("POST", "/estimate") => {
@@ -126,7 +128,7 @@ impl Studio {
             }),
             ("POST", "/pixel") => {
                 let Pixel { x, y } = read(asked)?;
-                let see = move |design: &Design| json(view::pixel(design, [x, y]));
+                let see = move |design: &Design, _| json(view::pixel(design, [x, y]));
                 self.of_design(&self.quick, pixel, asked, see)
             }
             ("POST", "/build") => self.build(&read(asked)?),
@@ -143,16 +145,16 @@ impl Studio {
         queue: &WorkQueue,
         subject: &Arc<Subject>,
         asked: &Asked,
-        see: impl FnOnce(&Design) -> Result<Content, RequestFailure> + Send + 'static,
+        see: impl FnOnce(&Design, Fidelity) -> Result<Content, RequestFailure> + Send + 'static,
     ) -> Result<Content, RequestFailure> {
         let designs = Arc::clone(&self.designs);
-        let Fidelity { sketch: is_sketch } = read(asked)?;
+        let fidelity: Fidelity = read(asked)?;
         newest(queue, subject, asked, move |profile| {
             // (A sketch may have no answer where the mirror has one.)
-            let sketched = is_sketch.then(|| sketch(profile)).flatten();
+            let sketched = fidelity.sketch.then(|| sketch(profile)).flatten();
             match sketched.and_then(|profile| designs.of(&profile).ok()) {
-                Some(design) => see(&design),
-                None => see(&*designs.of(profile)?),
+                Some(design) => see(&design, fidelity),
+                None => see(&*designs.of(profile)?, fidelity),
             }
         })
     }

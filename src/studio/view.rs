@@ -9,24 +9,42 @@ use crate::num::{asin, atan2, degrees};
 use crate::optics::ThinnedFrame;
 use crate::parallel;
 use crate::pipeline::{
-    Command, RenderOptions, Silent, SourceError, coarse_part, designed, glb, mesh_label, shadowed,
-    sharpness_map as spot_map, still,
+    Command, RenderOptions, Silent, SourceError, coarse_part, designed, drawn_spots, glb,
+    mesh_label, shadowed, sharpness_map, still,
 };
 use crate::profile::{Profile, ShapeSpec};
 use crate::raster::palette::hexadecimal;
 use crate::raster::{FalseColourMap, Srgb, key_text};
-use crate::render::{CameraPicture, CameraView, Distance, TestWorld, pixel_errors, reflected};
+use crate::render::{
+    CameraPicture, CameraView, Distance, SmoothSight, TestWorld, pixel_errors, pixel_errors_of,
+    reflected,
+};
 use crate::report::{AnswerRows, MapLetter, PlainSharpness, map_letters, pixel_error_map};
 use crate::results::{SharpnessFacts, three_digits};
-use crate::verdict::sharpness::{reason, sharpness};
+use crate::verdict::sharpness::{SampledSpots, reason, sharpness};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value as Json, json};
 
 /// Most columns of a picture that follows a slider.
 const PREVIEW_COLUMNS: u32 = 320;
-/// Samples along each side of a pixel at edges of such a picture.
-const PREVIEW_SAMPLES: u32 = 2;
+
+/// How fine is what follows a slider.
+struct Detail {
+    /// Samples along each side of a pixel at edges of the picture.
+    samples: u32,
+    /// Pixels along the longer side of the frame whose spots are looked at.
+    spots: u32,
+    /// Pixels of the picture along each side to a ray that looks for shadows.
+    shadow_px: u32,
+}
+
+impl Detail {
+    /// Of the designed mirror.
+    const DESIGN: Self = Self { samples: 2, spots: 64, shadow_px: 1 };
+    /// Of a sketch of it: halves and quarters of that.
+    const SKETCH: Self = Self { samples: 1, spots: 32, shadow_px: 2 };
+}
 
 /// The profile of a text that reads no file.
 ///
@@ -59,22 +77,30 @@ pub(super) fn files_refused(key: &str) -> String {
 }
 
 /// The small picture and the maps that follow a slider, and what is judged by them.
-pub(super) fn preview(design: &Design) -> Result<Json, RequestFailure> {
+pub(super) fn preview(design: &Design, is_sketch: bool) -> Result<Json, RequestFailure> {
+    let detail = if is_sketch { Detail::SKETCH } else { Detail::DESIGN };
+    let camera = design.camera.at_most(PREVIEW_COLUMNS);
+    let sight = SmoothSight::new(design);
+    let centres = sight.of_centres(&camera);
     let picture = || {
-        let picture =
-            CameraPicture::new(design, CameraView::Smooth, Distance::Target, PREVIEW_SAMPLES)
-                .at_most(PREVIEW_COLUMNS)
-                .picture(&TestWorld::new());
-        picture.to_png().map(|png| (png, [picture.width, picture.height]))
+        let view = CameraView::Smooth(&sight);
+        CameraPicture::new(design, view, Distance::Target, detail.samples)
+            .at_most(PREVIEW_COLUMNS)
+            .with_centres(&centres)
+            .picture(&TestWorld::new())
+            .to_png()
     };
-    let frame = ThinnedFrame::at_most(design.camera.pixels, PREVIEW_COLUMNS);
-    let (picture, mut seen) = parallel::join(picture, || {
-        let sharp = sharpness(&design.profile, design);
-        seen(design, frame, None, sharp.as_ref())
+    let (png, mut seen) = parallel::join(picture, || {
+        let spots = SampledSpots::in_squares(design, detail.spots);
+        let sharp = spots.sharpness(&design.profile, design);
+        let sizes = sharp.as_ref().and_then(|facts| spots.sizes(design, facts));
+        let spots = sizes.as_ref().map(drawn_spots);
+        let mut errors = pixel_errors_of(design, &camera, &centres);
+        leave_out_shadows(design, (&mut errors, camera.pixels), detail.shadow_px);
+        Seen { pixels: camera.pixels, errors, summary: None, spots, sharp }.told(design)
     });
-    let (png, pixels) = picture?;
-    seen["picture"] = BASE64_STANDARD.encode(png).into();
-    seen["pixels"] = json!(pixels);
+    seen["picture"] = BASE64_STANDARD.encode(png?).into();
+    seen["pixels"] = json!(camera.pixels);
     Ok(seen)
 }
 
@@ -83,7 +109,27 @@ pub(super) fn estimate(profile: &Profile) -> Result<Json, RequestFailure> {
     let design = designed(profile)?;
     let frame = ThinnedFrame::new(design.camera.pixels);
     let sharp = sharpness(profile, &design);
-    Ok(seen(&design, frame, design.facts.pixel_error_px, sharp.as_ref()))
+    let spots = sharpness_map(&design, sharp.as_ref());
+    let (pixels, mut errors) = (frame.pixels(), pixel_errors(&design, frame));
+    leave_out_shadows(&design, (&mut errors, pixels), 1);
+    let summary = design.facts.pixel_error_px;
+    Ok(Seen { pixels, errors, summary, spots, sharp }.told(&design))
+}
+
+/// Leaves out the errors of pixels to which the part or an obstacle hides what they see, by one ray to `each` pixels along each side.
+fn leave_out_shadows(design: &Design, (errors, pixels): (&mut [Option<f64>], [u32; 2]), each: u32) {
+    if design.view.is_none() {
+        return;
+    }
+    let coarse = pixels.map(|n| n.div_ceil(each));
+    let Some(shadowed) = shadowed(design, coarse) else { return };
+    let [each, columns, width] = [each, pixels[0], coarse[0]].map(|n| n as usize);
+    for (k, error) in errors.iter_mut().enumerate() {
+        let (row, column) = (k / columns / each, k % columns / each);
+        if shadowed[row * width + column] {
+            *error = None;
+        }
+    }
 }
 
 /// The picture as `morion render --scene grid` writes it, of the mesh with its shadows, PNG.
@@ -110,25 +156,32 @@ fn no_mesh() -> RequestFailure {
     RequestFailure::of_text("the part has no mesh to show")
 }
 
-/// Maps and judgement of `design`; without a summary of the errors, by the pixels of `frame`.
-fn seen(
-    design: &Design,
-    frame: ThinnedFrame,
-    known: Option<Summary>,
-    sharp: Option<&SharpnessFacts>,
-) -> Json {
-    let mut errors = pixel_errors(design, frame);
-    let has_target = design.view.is_some();
-    if has_target && let Some(shadowed) = shadowed(design, frame) {
-        let hidden = errors.iter_mut().zip(shadowed).filter(|(_, is_shadowed)| *is_shadowed);
-        hidden.for_each(|(error, _)| *error = None);
+/// What is seen of a design.
+struct Seen {
+    /// Columns and rows of the map of errors.
+    pixels: [u32; 2],
+    /// Its errors, px; none where nothing is seen.
+    errors: Vec<Option<f64>>,
+    /// What the errors come to over the whole mirror; without it the map's are taken.
+    summary: Option<Summary>,
+    /// The map of spots.
+    spots: Option<FalseColourMap>,
+    /// How sharp the picture is.
+    sharp: Option<SharpnessFacts>,
+}
+
+impl Seen {
+    /// Maps and judgement as data of the page.
+    fn told(&self, design: &Design) -> Json {
+        let Self { pixels, errors, summary, spots, sharp } = self;
+        let has_target = design.view.is_some();
+        json!({
+            "frame": design.camera.pixels,
+            "errors": has_target.then(|| map(&pixel_error_map(*pixels, errors))),
+            "spots": spots.as_ref().map(map),
+            "judged": judged(design, errors, *summary, sharp.as_ref()),
+        })
     }
-    json!({
-        "frame": design.camera.pixels,
-        "errors": has_target.then(|| map(&pixel_error_map(frame.pixels(), &errors))),
-        "spots": spot_map(design, sharp).as_ref().map(map),
-        "judged": judged(design, &errors, known, sharp),
-    })
 }
 
 /// A map as data of the page.

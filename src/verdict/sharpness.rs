@@ -31,12 +31,12 @@ pub(crate) fn least_focus(design: &Design) -> f64 {
     if design.camera.chart.vergence == 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
 
-/// Blur ellipses of pixels spread over the frame for an aperture radius of 1, px; none where there is no mirror.
-fn some_spots(design: &Design, pixels: [u32; 2]) -> Vec<Option<BlurEllipse>> {
-    let Design { mirror, camera, view, .. } = design;
-    let unit = 1.0 / camera.pixel_mm;
-    let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
-    map_pencils_sparsely(mirror, camera, view.as_ref(), pixels, spot)
+/// Blur ellipses of pixels spread over the frame.
+pub(crate) struct SampledSpots {
+    /// Columns and rows of the pixels.
+    pixels: [u32; 2],
+    /// For an aperture radius of 1, px; none where there is no mirror.
+    spots: Vec<Option<BlurEllipse>>,
 }
 
 /// Sizes of the spots of pixels spread over the frame.
@@ -49,31 +49,58 @@ pub(crate) struct SpotSizes {
     pub quantiles: Quantiles,
 }
 
-/// Sizes of the spots in the best focus, through the profile's lens or else the aperture at which they are least.
+impl SampledSpots {
+    /// Those of so many columns and rows of pixels of the frame of `design`.
+    fn new(design: &Design, pixels: [u32; 2]) -> Self {
+        let Design { mirror, camera, view, .. } = design;
+        let unit = 1.0 / camera.pixel_mm;
+        let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
+        let spots = map_pencils_sparsely(mirror, camera, view.as_ref(), pixels, spot);
+        Self { pixels, spots }
+    }
+
+    /// Those of `some` pixels along the frame's longer side, and as many along the shorter as make squares of them.
+    pub(crate) fn in_squares(design: &Design, some: u32) -> Self {
+        let [columns, rows] = design.camera.pixels;
+        let share = |side: u32| (some * side / columns.max(rows)).clamp(1, side);
+        Self::new(design, [share(columns), share(rows)])
+    }
+
+    fn seen(&self) -> Vec<BlurEllipse> {
+        self.spots.iter().copied().flatten().collect()
+    }
+
+    /// Their sizes in the best focus, through the lens of the profile of `design` or else the aperture at which they are least.
+    pub(crate) fn sizes(&self, design: &Design, facts: &SharpnessFacts) -> Option<SpotSizes> {
+        let lens = facts.given.as_ref().unwrap_or(&facts.best);
+        let focus = best_focus(&self.seen(), least_focus(design))?;
+        let radius = radius(lens.aperture);
+        let size = |spot: BlurEllipse| {
+            let [ellipse, airy] = [spot.length(focus) * radius, lens.sharp.diffraction_px];
+            (ellipse * ellipse + airy * airy + 1.0).sqrt()
+        };
+        let sizes_px: Vec<Option<f64>> = self.spots.iter().map(|spot| spot.map(size)).collect();
+        let quantiles = quantiles(sizes_px.iter().copied().flatten().collect())?;
+        Some(SpotSizes { pixels: self.pixels, sizes_px, quantiles })
+    }
+
+    /// How sharp the picture of `design` is by them; none where no pixel has a spot.
+    pub(crate) fn sharpness(&self, profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
+        let spots = self.seen();
+        let best = best_focus(&spots, least_focus(design))?;
+        of(profile, design, &spots, [best; 2], profile.lens.aperture)
+    }
+}
+
+/// Sizes of the spots in the best focus.
 pub(crate) fn spot_sizes(design: &Design, facts: &SharpnessFacts) -> Option<SpotSizes> {
-    let lens = facts.given.as_ref().unwrap_or(&facts.best);
-    let [columns, rows] = design.camera.pixels;
-    // As many along the shorter side as make squares of them.
-    let share = |side: u32| (SOME * side / columns.max(rows)).clamp(1, side);
-    let pixels = [share(columns), share(rows)];
-    let spots = some_spots(design, pixels);
-    let seen: Vec<BlurEllipse> = spots.iter().copied().flatten().collect();
-    let (phi, radius) = (best_focus(&seen, least_focus(design))?, radius(lens.aperture));
-    let size = |spot: BlurEllipse| {
-        let [ellipse, airy] = [spot.length(phi) * radius, lens.sharp.diffraction_px];
-        (ellipse * ellipse + airy * airy + 1.0).sqrt()
-    };
-    let sizes_px: Vec<Option<f64>> = spots.into_iter().map(|spot| spot.map(size)).collect();
-    let quantiles = quantiles(sizes_px.iter().copied().flatten().collect())?;
-    Some(SpotSizes { pixels, sizes_px, quantiles })
+    SampledSpots::in_squares(design, SOME).sizes(design, facts)
 }
 
 /// How sharp the picture of `design` is; none where no pixel has a spot.
 pub(crate) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
     let pixels = design.camera.pixels.map(|side| side.min(SOME));
-    let spots: Vec<BlurEllipse> = some_spots(design, pixels).into_iter().flatten().collect();
-    let best = best_focus(&spots, least_focus(design))?;
-    of(profile, design, &spots, [best; 2], profile.lens.aperture)
+    SampledSpots::new(design, pixels).sharpness(profile, design)
 }
 
 /// The same of `spots`, in pixels: at best in the first focus, through `given` in the second.

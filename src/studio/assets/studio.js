@@ -160,7 +160,7 @@
       if (!sketch) tookMs = performance.now() - begun;
       if (now !== change) return;
       refuse(null);
-      const mirror = sketch ? "a sketch of the mirror, of a low degree" : "the smooth mirror";
+      const mirror = sketch ? "a sketch of the mirror, coarser to keep up" : "the smooth mirror";
       showPicture("data:image/png;base64," + seen.picture, "Test world in " + mirror + ", without shadows; " + seen.pixels.join(" x ") + " pixels while you change it. Shadows come with the next picture, once you pause; the figures below have them.");
       showSeen(seen, sketch ? "sketch" : "small");
     } catch (error) {
