@@ -6,6 +6,8 @@ from typing import Any, Callable, Optional, Sequence, TypedDict, Union, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__: list[str]
+
 _Path = Union[str, PathLike[str]]
 _Progress = Optional[Callable[[str, Optional[float], str], object]]
 _Place = tuple[Optional[_Path], _Progress]

@@ -99,14 +99,19 @@ class ToleranceReport(Report):
 
     @property
     def trials(self) -> NDArray[np.void]:
-        """A structured array with an entry a trial: its number, its figures as made and after adjustment (px), each adjustment, and each
-        error that was drawn, by its key. NaN where rays are lost. These are the numbers of `trials.csv`."""
+        """A structured array with an entry a trial: its number, its figures as made and after adjustment (px), each adjustment
+        (`adjustment_...`), and each error that was drawn, by its key. NaN where rays are lost. These are the numbers of `trials.csv`."""
         lines = self.file("trials.csv").decode().splitlines()
         lines = [line for line in lines if not line.startswith("#")]
-        names = [name.replace(" ", "_") for name in lines[0].split(",")]
+        names = [_column(name) for name in lines[0].split(",")]
         types = [(name, np.int64 if k == 0 else np.float64) for k, name in enumerate(names)]
         rows = [_row(line) for line in lines[1:]]
         return np.array(rows, dtype=np.dtype(types))
+
+
+def _column(name: str) -> str:
+    """Name of a column; those of adjustments have spaces, and may be those of errors otherwise."""
+    return "adjustment_" + name.replace(" ", "_") if " " in name else name
 
 
 def _row(line: str) -> tuple[float, ...]:

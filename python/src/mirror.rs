@@ -16,6 +16,9 @@ pub(crate) struct NativeDesign {
     inner: Arc<morion::Design>,
 }
 
+/// Origins and directions.
+type Rays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
 /// Sag, normals and second derivatives over places.
 type Surface<'py> =
     (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -82,7 +85,7 @@ impl NativeDesign {
     fn mesh(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<NativeMesh> {
         let design = Arc::clone(&self.inner);
         let face = long_call(py, progress, move |watch| {
-            watch.stage(Stage::Mesh, || design.mesh()).map_err(|error| error.to_string())
+            watch.stage(Stage::Mesh, || design.mesh().map_err(|error| error.to_string()))
         })?;
         let pixel_mm = self.inner.camera.pixel_mm;
         let bounds = vec![
@@ -213,7 +216,7 @@ impl NativeCamera {
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    ) -> PyResult<Rays<'py>> {
         let (camera, pixels) = (Arc::clone(&self.inner), vectors(&pixels)?);
         let (origins, ways) = long_call(py, None, move |_| {
             let rays = camera.unproject(&pixels);

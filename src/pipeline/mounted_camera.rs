@@ -10,6 +10,7 @@ use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::lookup::{CellSearch, Pole};
 use crate::num::random::RandomStream;
+use crate::parallel;
 use crate::tolerance::{Engine, PerturbedSystem};
 use glam::DMat2;
 use std::path::Path;
@@ -20,6 +21,8 @@ use std::sync::OnceLock;
 const MOST_ROUNDS: usize = 8;
 /// A place that a round moves by less is near enough for Newton's method, px.
 const NEAR_PX: f64 = 0.5;
+/// Places all over the mirror, of which one is near enough to whatever the mirror shows.
+const SAMPLES: usize = 1024;
 /// Most steps of Newton's method.
 const MOST_STEPS: usize = 16;
 /// Longest of them, px: the derivatives hold no farther.
@@ -40,7 +43,18 @@ pub struct MountedCamera {
     made: PerturbedSystem,
     is_mounted: bool,
     warning: Option<String>,
-    search: OnceLock<(CellSearch, Pole)>,
+    search: OnceLock<DirectionSearch>,
+}
+
+/// What the frame shows, to start a search from.
+#[derive(Debug)]
+struct DirectionSearch {
+    /// Places by directions.
+    cells: CellSearch,
+    /// Pole from which directions are projected.
+    pole: Pole,
+    /// Places all over the mirror, px, with their rays.
+    samples: Vec<(DVec2, Ray)>,
 }
 
 /// What a pixel is looked for of.
@@ -153,40 +167,61 @@ impl MountedCamera {
     }
 
     /// The search for places by directions.
-    fn search(&self) -> &(CellSearch, Pole) {
+    fn search(&self) -> &DirectionSearch {
         self.search.get_or_init(|| {
             let system = self.system();
             let frame = system.traced(system.grid());
             let pole = frame.pole();
             let (field, _) = frame.field(FINE_STEPS, |ray| Some(pole.project(ray)));
-            (CellSearch::new(&field, BEYOND_CELLS), pole)
+            let apart = frame.between.len().div_ceil(SAMPLES).max(1);
+            let samples = frame.between.iter().step_by(apart);
+            let samples = samples.map(|(place, ray)| (DVec2::from_array(*place), *ray)).collect();
+            DirectionSearch { cells: CellSearch::new(&field, BEYOND_CELLS), pole, samples }
         })
     }
 
     fn places(&self, aims: Vec<Aim>) -> Vec<Option<[f64; 2]>> {
         let mut places = vec![None; aims.len()];
-        let candidates = self.started(aims);
-        let found = self.converged(candidates);
+        self.add_shown(self.converged(self.started(&aims)), &mut places);
+        // What is near and seen at the rim is beyond it as seen from the mirror's middle.
+        let is_open = |(number, _): &(usize, &Aim)| places[*number].is_none();
+        let open: Vec<(usize, Aim)> =
+            aims.iter().enumerate().filter(is_open).map(|(number, aim)| (number, *aim)).collect();
+        let nearest = parallel::map_slice(&open, 16, |(number, aim)| self.nearest(*number, *aim));
+        self.add_shown(self.converged(nearest.into_iter().flatten().collect()), &mut places);
+        places
+    }
+
+    /// Sets the places of those that show the mirror in the frame.
+    fn add_shown(&self, found: Vec<Candidate>, places: &mut [Option<[f64; 2]>]) {
         let points: Vec<DVec2> = found.iter().map(|candidate| candidate.place).collect();
         let on_mirror = self.engine.shows_mirror(&self.system().points(&points));
         for (Candidate { number, place, .. }, on_mirror) in found.into_iter().zip(on_mirror) {
             places[number] = (on_mirror && self.frames(place)).then(|| place.to_array());
         }
-        places
+    }
+
+    /// The sample whose ray passes an aim at the least angle.
+    fn nearest(&self, number: usize, aim: Aim) -> Option<Candidate> {
+        let cosine = |ray: &Ray| ray.direction.dot(aim.direction_from(ray.origin));
+        let all = self.search().samples.iter().map(|(place, ray)| (cosine(ray), *place));
+        let finite = all.filter(|(cosine, _)| cosine.is_finite());
+        let (_, place) = finite.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Candidate { number, aim, place })
     }
 
     /// Where the frame shows the direction of an aim from a place.
     fn place(&self, aim: Aim, from: DVec3) -> Option<DVec2> {
-        let (search, pole) = self.search();
+        let DirectionSearch { cells, pole, .. } = self.search();
         let direction = aim.direction_from(from);
-        search.place(pole.project(&Ray { origin: from, direction }).into())
+        cells.place(pole.project(&Ray { origin: from, direction }).into())
     }
 
     /// Places near what is looked for; what the frame shows nowhere is left out.
-    fn started(&self, aims: Vec<Aim>) -> Vec<Candidate> {
+    fn started(&self, aims: &[Aim]) -> Vec<Candidate> {
         let origin_mm = self.design.view.as_ref().map_or(0.0, |view| view.origin_mm);
-        let all = aims.into_iter().enumerate();
-        let start = |(number, aim)| {
+        let all = aims.iter().enumerate();
+        let start = |(number, &aim): (usize, &Aim)| {
             Some(Candidate { number, aim, place: self.place(aim, DVec3::Z * origin_mm)? })
         };
         let mut candidates: Vec<Candidate> = all.filter_map(start).collect();
@@ -210,7 +245,7 @@ impl MountedCamera {
     /// Where Newton's method leads; what it does not find is left out.
     fn converged(&self, mut open: Vec<Candidate>) -> Vec<Candidate> {
         const BESIDE: [DVec2; 5] = [DVec2::ZERO, DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y];
-        let pole = self.search().1;
+        let pole = self.search().pole;
         let mut found = Vec::with_capacity(open.len());
         for _ in 0..MOST_STEPS {
             if open.is_empty() {
