@@ -6,7 +6,23 @@ from typing import Any, Callable, Optional, Sequence, TypedDict, Union, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+__all__ = [
+    "NativeCamera",
+    "NativeDesign",
+    "NativeMesh",
+    "Profile",
+    "blur",
+    "build",
+    "decode_png",
+    "frame",
+    "machining",
+    "render",
+    "replay",
+    "shipped",
+    "table",
+    "tolerance",
+    "verify",
+]
 
 _Path = Union[str, PathLike[str]]
 _Progress = Optional[Callable[[str, Optional[float], str], object]]
