@@ -107,7 +107,7 @@ mod trace;
 mod unwrap;
 mod verdict;
 
-pub use design::{Design, DesignError};
+pub use design::{Design, DesignError, MirrorPoint};
 pub use export::Label;
 pub use front::{
     blur, build, drawing, forecast, frame, inspect, machining, program, render, replay, table,
@@ -116,9 +116,9 @@ pub use front::{
 pub use mesh::{Face, MeshError};
 pub use pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Effort, Error, FrameOptions,
-    InspectOptions, MachiningOptions, MapFormat, Observer, OutputFile, ProgramOptions,
-    RenderOptions, ReplayOptions, Rows, Silent, SourceError, Stage, TableOptions, ToleranceOptions,
-    Unwrap, UnwrapOptions, UnwrapPicture, Verify, VerifyOptions, ViewAngles,
+    InspectOptions, MachiningOptions, MapFormat, MountedCamera, Observer, OutputFile,
+    ProgramOptions, RenderOptions, ReplayOptions, Rows, Silent, SourceError, Stage, TableOptions,
+    ToleranceOptions, Unwrap, UnwrapOptions, UnwrapPicture, Verify, VerifyOptions, ViewAngles,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};
@@ -130,6 +130,7 @@ pub use results::{
     VerifyReport,
 };
 pub use solid::{Solid, SolidError};
+pub use unwrap::RemapTable;
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

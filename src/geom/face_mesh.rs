@@ -72,6 +72,12 @@ impl FaceMesh {
         self.mesh
     }
 
+    /// The facets: panels, and the walls between them.
+    #[must_use]
+    pub fn into_mesh(self) -> TriMesh {
+        self.mesh
+    }
+
     /// The edges of walls, each as the wall's facet runs along it.
     #[must_use]
     pub fn wall_edges(&self) -> HashSet<(u32, u32)> {

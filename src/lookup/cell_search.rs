@@ -70,8 +70,9 @@ struct HalfCell {
     at_corner: PlaceOnCell,
 }
 
-/// A raster of the halves of the cells of a field.
-pub(super) struct CellSearch {
+/// A raster of the halves of the cells of a field, by which places are found that have wanted values.
+#[derive(Debug, Clone)]
+pub struct CellSearch {
     low: DVec2,
     texel: DVec2,
     halves: Vec<HalfCell>,
@@ -81,7 +82,8 @@ pub(super) struct CellSearch {
 
 impl CellSearch {
     /// The raster of `field`, whose halves go on for as many cells as `beyond` says where there are no others.
-    pub(super) fn new(field: &BilinearField, beyond: f64) -> Self {
+    #[must_use]
+    pub fn new(field: &BilinearField, beyond: f64) -> Self {
         let [columns, rows] = field.grid.cells();
         let cells = || (0..columns * rows).map(|k| [k % columns, k / columns]);
         let told = || cells().filter_map(|at| Some((at, field.cell(at)?)));
@@ -163,6 +165,13 @@ impl CellSearch {
                 }
             }
         }
+    }
+
+    /// The place, px of the frame, at which the field has these values, to the first order on its half of a cell; none where it has
+    /// them nowhere.
+    #[must_use]
+    pub fn place(&self, values: DVec2) -> Option<DVec2> {
+        self.find(values).map(|found| found.place)
     }
 
     /// The place at which the field has these values, to the first order; none where it has them nowhere.

@@ -20,6 +20,7 @@ mod sight;
 pub use bilinear_field::{BilinearField, FieldErrors, MOST_OFF_PX};
 pub use c_header::{MOST_STEPS, c_header};
 pub use camera_info::{CameraInfo, camera_info};
+pub use cell_search::CellSearch;
 pub use node_table::{NodeSight, NodeTable};
 pub use pixel_grid::PixelGrid;
 pub use place_map::{MapFrame, PlaceMap, PlaceMapDraft, PlanRows};

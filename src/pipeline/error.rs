@@ -20,6 +20,9 @@ use thiserror::Error;
 /// Why something could not be done. (A part that turns out bad is no error: that is a verdict.)
 #[derive(Debug, Error)]
 pub enum Error {
+    /// The observer wanted the run to end.
+    #[error("stopped")]
+    Stopped,
     /// The design has no answer.
     #[error("cannot design {profile}: {source}")]
     Design {

@@ -11,6 +11,13 @@ const MOST_STEPS_TO_PLACE: usize = 10;
 /// Places whose rays are traced at a time: half a kilobyte is kept of each.
 const PLACES_AT_A_TIME: usize = 1 << 16;
 
+/// Nodes of a frame from which on they are farther apart than its pixels.
+const MANY_NODES: f64 = 1e6;
+/// Steps of the numbers at the nodes: so many that none is felt.
+pub(super) const FINE_STEPS: f64 = 1e12;
+/// Cells beyond those that are told in which places are looked for: beside the frame's edge and a ridge half of one.
+pub(super) const BEYOND_CELLS: f64 = 1.5;
+
 /// A made system.
 pub(super) struct MountedSystem<'a> {
     /// Engine of the study of tolerances.
@@ -34,6 +41,13 @@ pub(super) struct TracedFrame {
 }
 
 impl MountedSystem<'_> {
+    /// A node in each pixel of the sensor, or in each block of a large one.
+    pub(super) fn grid(&self) -> PixelGrid {
+        let frame = self.camera.pixels.map(|x| x as usize);
+        let every = ((frame[0] * frame[1]) as f64 / MANY_NODES).sqrt().ceil() as usize;
+        PixelGrid { frame, every: every.max(1) }
+    }
+
     /// The rays of places of the frame, px, and whether each shows the mirror.
     pub(super) fn rays(&self, places: &[DVec2]) -> (Vec<Option<Ray>>, Vec<bool>) {
         let (mut rays, mut on_mirror) = (Vec::new(), Vec::new());

@@ -84,6 +84,10 @@ pub trait Observer: Sync {
     fn end(&self, _stage: Stage, _took: Duration, _note: &str) {}
     /// A file has been written under a temporary name, and is read back next.
     fn written(&self, _path: &Path) {}
+    /// Whether the run is to end: asked before each stage, and between parts of the trials.
+    fn is_stopped(&self) -> bool {
+        false
+    }
     /// The files in this folder are what the build would write again; it ends here.
     fn unchanged(&self, _folder: &Path) {}
 }
@@ -151,6 +155,11 @@ impl<'a> StageTimer<'a> {
     /// Tells the observer that the files in this folder are what a build would write again.
     pub fn unchanged(&self, folder: &Path) {
         self.observer.unchanged(folder);
+    }
+
+    /// Whether the observer wants the run to end.
+    pub fn is_stopped(&self) -> bool {
+        self.observer.is_stopped()
     }
 
     /// Whether stages may leave undone what changes no result.

@@ -92,7 +92,16 @@ impl<'a> Run<'a> {
         stage: Stage,
         run: impl FnOnce() -> Result<(T, String), Error>,
     ) -> Result<T, Error> {
+        self.check_wanted()?;
         self.timer.stage(stage, run)
+    }
+
+    /// Whether the run is to go on.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] where the observer wants it to end.
+    pub(super) fn check_wanted(&self) -> Result<(), Error> {
+        if self.timer.is_stopped() { Err(Error::Stopped) } else { Ok(()) }
     }
 
     /// Designs the mirror.
@@ -159,6 +168,7 @@ impl<'a> Run<'a> {
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<&StagedFile, Error> {
+        self.check_wanted()?;
         self.timer.stage(Stage::Write, || {
             let staged = self.files.add(name, write)?;
             if let Some(path) = staged.path() {
@@ -177,6 +187,7 @@ impl<'a> Run<'a> {
         stage: Stage,
         add: impl FnOnce(&mut Transaction, &StageTimer) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        self.check_wanted()?;
         self.timer.stage(stage, || {
             add(&mut self.files, &self.timer)?;
             self.files.commit()?;

@@ -43,7 +43,7 @@ impl Command for ToleranceOptions {
     fn run(&self, run: &mut Run) -> Result<ToleranceReport, Error> {
         let study = prepared(run)?;
         let machining = tracks(run, &study)?;
-        let trials = traced(run, &study.engine, self);
+        let trials = traced(run, &study.engine, self)?;
         concluded(run, &study, machining, self.seed, &trials)
     }
 }
@@ -66,7 +66,7 @@ impl Command for TrialsPart {
 
     fn run(&self, run: &mut Run) -> Result<TrialsFile, Error> {
         let PreparedStudy { engine, .. } = prepared(run)?;
-        let trials = traced(run, &engine, &self.0);
+        let trials = traced(run, &engine, &self.0)?;
         let Range { start, end } = self.0.range;
         let name = format!("trials-{start}-{end}.csv");
         let table = table(run.profile, &engine, self.0.seed, &trials);
@@ -229,18 +229,32 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
 /// What the stage of trials counts.
 const TRIALS: &str = "trials";
 
-fn traced(run: &Run, engine: &Engine, options: &ToleranceOptions) -> Vec<Trial> {
+/// Trials between two questions whether the run is to end.
+const TRACED_AT_A_TIME: usize = 2000;
+
+fn traced(run: &Run, engine: &Engine, options: &ToleranceOptions) -> Result<Vec<Trial>, Error> {
     let ToleranceOptions { range, seed, until } = options.clone();
     let timer = &run.timer;
-    timer.always(Stage::Trials, || {
+    let made = timer.always(Stage::Trials, || {
         let asked = (range.end - range.start) as usize;
-        let made = engine.trials(&engine.spec.sources, seed, range, until);
+        let mut made = Vec::new();
+        for from in range.clone().step_by(TRACED_AT_A_TIME) {
+            let to = range.end.min(from.saturating_add(TRACED_AT_A_TIME as u64));
+            // Where the yield is looked at, all trials so far count.
+            let part = if until.is_some() { range.clone() } else { from..to };
+            made.extend(engine.trials(&engine.spec.sources, seed, part, until));
+            if until.is_some() || timer.is_stopped() {
+                break;
+            }
+        }
         timer.toleranced(Stage::Trials, engine.worked());
         let enough = "the yield is known well enough";
         timer.worked(Stage::Trials, TRIALS, [made.len(), asked - made.len()], enough);
         let note = format!("{} trials", made.len());
         (made, note)
-    })
+    });
+    run.check_wanted()?;
+    Ok(made)
 }
 
 /// Writes the answers.

@@ -1,6 +1,7 @@
 //! A photo and a profile -> a panorama, a view or a plan of the floor, and its map.
 
 use super::mounted_system::MountedSystem;
+use super::observer::Silent;
 use super::pose::KnownErrors;
 use super::run::{Command, Run};
 use super::tolerance_spec::engine;
@@ -16,6 +17,7 @@ use crate::results::{
     FileFacts, GroundFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport,
     ViewFacts,
 };
+use crate::tolerance::{Engine, Perturbation};
 use crate::unwrap::{ImagingSystem, Panorama, RemapTable, UnwrapError, crop_panels};
 use std::path::Path;
 
@@ -169,32 +171,10 @@ impl Unwrap<'_> {
             });
         };
         let framed = picture.framed(optics, size).map_err(unfit)?;
-        if let (Some(directions), true) = (framed.directions(), self.is_inverted(run.profile)) {
-            return self.picture_stage(run, || {
-                let map = RemapTable::new(optics, directions, size).map_err(unfit)?;
-                painted(framed.clone(), map)
-            });
-        }
-        let (engine, _) = engine(run, design)?;
+        let way = MapWay::new(run, (design, &framed), pose)?;
         self.picture_stage(run, || {
-            let errors = pose.map_or(&[][..], |pose| &pose.errors);
-            let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
-            let sight = MountedSystem {
-                engine: &engine,
-                camera: optics.camera,
-                made: &made,
-                is_mounted: pose.is_some(),
-            };
-            let map = framed.mounted(optics, &sight, size).map_err(unfit)?;
-            painted(framed.clone(), map)
+            painted(framed.clone(), way.map(optics, &framed, size).map_err(unfit)?)
         })
-    }
-
-    /// Whether the places of directions are found by the inverse of the designed mirror: not those of a system as mounted, nor of panels,
-    /// each of which has a projection of its own.
-    fn is_inverted(&self, profile: &Profile) -> bool {
-        let is_panels = matches!(profile.projection, Some(ProjectionSpec::Panels(_)));
-        self.pose().is_none() && !is_panels
     }
 
     fn picture_stage(
@@ -305,6 +285,87 @@ impl Unwrap<'_> {
             azimuth_deg: panorama.azimuth_deg(),
             elevation_deg: panorama.elevation_deg(),
         }
+    }
+}
+
+/// The way in which places of a photo are found.
+enum MapWay<'a> {
+    /// Directions by the inverse of the designed mirror: not those of a system as mounted, nor of panels, each of which has a projection of
+    /// its own.
+    Inverse,
+    /// Rays of the system as it is mounted.
+    Traced(Box<Engine>, &'a [(Perturbation, f64)], bool),
+}
+
+impl<'a> MapWay<'a> {
+    fn new(
+        run: &Run,
+        (design, framed): (&Design, &FramedPicture),
+        pose: Option<&'a KnownErrors>,
+    ) -> Result<Self, Error> {
+        let is_panels = matches!(run.profile.projection, Some(ProjectionSpec::Panels(_)));
+        if framed.directions().is_some() && pose.is_none() && !is_panels {
+            return Ok(Self::Inverse);
+        }
+        let errors = pose.map_or(&[][..], |pose| &pose.errors);
+        Ok(Self::Traced(Box::new(engine(run, design)?.0), errors, pose.is_some()))
+    }
+
+    /// The table of a picture for photos of `photo` pixels.
+    fn map(
+        &self,
+        optics: &ImagingSystem,
+        framed: &FramedPicture,
+        photo: [usize; 2],
+    ) -> Result<RemapTable, UnwrapError> {
+        match (self, framed.directions()) {
+            (Self::Inverse, Some(directions)) => RemapTable::new(optics, directions, photo),
+            (Self::Inverse, None) => unreachable!("a floor's places are traced"),
+            (Self::Traced(engine, errors, is_mounted), _) => {
+                let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
+                let (camera, is_mounted) = (optics.camera, *is_mounted);
+                let sight = MountedSystem { engine, camera, made: &made, is_mounted };
+                framed.mounted(optics, &sight, photo)
+            }
+        }
+    }
+}
+
+impl Design {
+    /// Where photos of `photo` pixels, columns and rows, show each pixel of a panorama, a view or a plan of a floor: of the mirror as
+    /// designed, or as mounted by a file as `tolerance --replay` writes it. These are the numbers of `morion unwrap --map`.
+    ///
+    /// ```
+    /// use morion::UnwrapPicture;
+    /// # let profile = morion::Profile::parse("part", "part.toml", include_bytes!("../../examples/small.toml"))?;
+    /// let panorama = UnwrapPicture::Panorama { projection: None, width: Some(90) };
+    /// let map = profile.design()?.unwrap_map(&panorama, [160, 120], None)?;
+    /// assert_eq!(map.entries().len(), 90 * map.size[1]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`enum@Error`] of a profile without a projection, of a file that is no pose, and of a picture that cannot be made of such photos.
+    pub fn unwrap_map(
+        &self,
+        picture: &UnwrapPicture,
+        photo: [usize; 2],
+        pose: Option<&Path>,
+    ) -> Result<RemapTable, Error> {
+        let unfit = |source| {
+            let photo = format!("a photo of {} x {} pixels", photo[0], photo[1]);
+            Error::from(PhotoError::Unfit { photo, source })
+        };
+        picture.check()?;
+        let Self { mirror, camera, view: Some(view), .. } = self else {
+            return Err(no_projection(&self.profile));
+        };
+        let pose = pose.map(KnownErrors::read).transpose()?;
+        let optics = ImagingSystem { mirror, camera, view };
+        let framed = picture.framed(&optics, photo).map_err(unfit)?;
+        let run = Run::in_memory(&self.profile, &Silent);
+        let way = MapWay::new(&run, (self, &framed), pose.as_ref())?;
+        way.map(&optics, &framed, photo).map_err(unfit)
     }
 }
 

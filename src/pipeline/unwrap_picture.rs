@@ -2,23 +2,16 @@
 
 use super::Error;
 use super::floor_plan::FloorPlan;
-use super::mounted_system::MountedSystem;
+use super::mounted_system::{BEYOND_CELLS, FINE_STEPS, MountedSystem};
 use crate::geom::{DVec3, Ray};
-use crate::lookup::{FloorPlane, PixelGrid, Pole};
+use crate::lookup::{FloorPlane, Pole};
 use crate::optics::{ImagingTask, StripLaw, stereographic};
 use crate::unwrap::{
     DirectionPicture, ImagingSystem, Panorama, PerspectiveView, RemapTable, UnwrapError, ViewAngles,
 };
 
-/// Nodes of a frame from which on they are farther apart than its pixels.
-const MANY_NODES: f64 = 1e6;
-/// Steps of the numbers at the nodes: so many that none is felt.
-const FINE_STEPS: f64 = 1e12;
 /// How far beyond its range a floor is looked for at the nodes, so that no cell at its range lacks one.
 const BEYOND: f64 = 1.25;
-
-/// Cells beyond those that are told in which places are looked for: beside the frame's edge and a ridge half of one.
-const BEYOND_CELLS: f64 = 1.5;
 
 /// What a photo is unwrapped to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -176,20 +169,13 @@ impl FramedPicture {
     }
 }
 
-/// A node in each pixel of the sensor, or in each block of a large one.
-fn grid(sight: &MountedSystem) -> PixelGrid {
-    let frame = sight.camera.pixels.map(|x| x as usize);
-    let every = ((frame[0] * frame[1]) as f64 / MANY_NODES).sqrt().ceil() as usize;
-    PixelGrid { frame, every: every.max(1) }
-}
-
 /// Places of the sensor, px, that show the directions of a picture from the target's origin.
 fn directed(
     picture: &impl DirectionPicture,
     sight: &MountedSystem,
     view: &ImagingTask,
 ) -> Vec<Option<[f64; 2]>> {
-    let frame = sight.traced(grid(sight));
+    let frame = sight.traced(sight.grid());
     let pole = frame.pole();
     let project = |direction: DVec3| Some(pole.project(&Ray { origin: DVec3::ZERO, direction }));
     let of = |ray: &Ray| project(view.direction_from_origin(ray.origin, ray.direction));
@@ -207,7 +193,7 @@ fn placed(floor: &FloorPlan, sight: &MountedSystem) -> Vec<Option<[f64; 2]>> {
     let (plan, plane) = (floor.seen_from_mirror(), floor.plane());
     let [width, height] = plan.size();
     let told = FloorPlane { range_mm: BEYOND * plane.range_mm, ..plane };
-    let (field, _) = sight.traced(grid(sight)).field(FINE_STEPS, |ray| told.meets(ray));
+    let (field, _) = sight.traced(sight.grid()).field(FINE_STEPS, |ray| told.meets(ray));
     let beyond = floor.beyond();
     // (A floor has no pole.)
     let wanted = |k: usize| plan.wanted(k, Pole::Below);

@@ -24,6 +24,13 @@ impl RemapTable {
         if place[0].is_nan() { [-1.0; 2] } else { place.map(|x| x - 0.5) }
     }
 
+    /// Column and row of the photo for each pixel of the picture, row by row from the top left, in the convention of OpenCV's `remap`:
+    /// pixel centres are at whole numbers; -1 where nothing is seen.
+    #[must_use]
+    pub fn entries(&self) -> Vec<[f32; 2]> {
+        (0..self.places.len()).map(|k| self.entry(k)).collect()
+    }
+
     /// A NumPy array of shape (rows, columns, 2) in single precision, little-endian.
     #[must_use]
     pub fn npy(&self) -> Vec<u8> {
