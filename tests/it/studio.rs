@@ -203,7 +203,8 @@ fn nothing_outside_its_builds_is_reachable() {
     assert!(!folder.path().join("out").exists(), "nothing was written");
 }
 
-/// The sketch that follows a slider is the mirror of a low degree by least squares; of one that is made so itself it is that mirror.
+/// The sketch that follows a slider is the mirror of a low degree by least squares, seen more coarsely; of one that is made so itself it is
+/// that mirror.
 #[test]
 fn a_sketch_is_the_mirror_by_least_squares() {
     let folder = folder();
@@ -215,10 +216,15 @@ fn a_sketch_is_the_mirror_by_least_squares() {
     };
     let fine = of_degree("degree = 14\nminimax = true");
     let sketch = seen(&fine, true);
-    assert!(sketch["picture"].is_string() && sketch == seen(&of_degree("degree = 10"), false));
-    assert_ne!(sketch["judged"], seen(&fine, false)["judged"]);
+    assert!(sketch["picture"].is_string() && sketch == seen(&of_degree("degree = 10"), true));
+    // The errors are not those of every second pixel.
+    let errors = |seen: &Value| {
+        let facts = seen["judged"]["facts"].as_array().unwrap();
+        facts.iter().find(|fact| fact[0] == "picture").unwrap()[1].clone()
+    };
+    assert_ne!(errors(&sketch), errors(&seen(&fine, false)));
     let coarse = of_degree("degree = 6");
-    assert_eq!(seen(&coarse, true), seen(&coarse, false));
+    assert_eq!(errors(&seen(&coarse, true)), errors(&seen(&coarse, false)));
 }
 
 #[test]
