@@ -111,7 +111,7 @@ pub(super) struct UnwrapArgs {
 
 impl UnwrapArgs {
     /// Whether frames of standard input go to standard output.
-    pub fn is_stream(&self) -> bool {
+    pub(super) fn is_stream(&self) -> bool {
         self.photo.as_os_str() == "-"
     }
 }

@@ -11,7 +11,7 @@ use crate::design::Design;
 use crate::num::random::RandomStream;
 use crate::profile::{Profile, ProjectionSpec};
 use crate::tolerance::{Engine, Perturbation};
-use crate::unwrap::{ImagingSystem, RemapTable, UnwrapError};
+use crate::unwrap::{DirectionPicture, ImagingSystem, RemapTable, UnwrapError};
 use std::path::Path;
 
 /// A picture that photos are to be unwrapped to.
@@ -136,9 +136,9 @@ impl PictureRequest<'_> {
 
 /// The way in which places of a photo are found.
 enum MapWay<'a> {
-    /// Directions by the inverse of the designed mirror: not those of a system as mounted, nor of panels, each of which has a projection of
-    /// its own.
-    Inverse,
+    /// These directions by the inverse of the designed mirror: not those of a system as mounted, nor of panels, each of which has a
+    /// projection of its own.
+    Inverse(&'a dyn DirectionPicture),
     /// Rays of the system as it is mounted.
     Traced(Box<Engine>, &'a [(Perturbation, f64)], bool),
 }
@@ -146,15 +146,17 @@ enum MapWay<'a> {
 impl<'a> MapWay<'a> {
     fn new(
         run: &Run,
-        (design, framed): (&Design, &FramedPicture),
+        (design, framed): (&Design, &'a FramedPicture),
         pose: Option<&'a KnownErrors>,
     ) -> Result<Self, Error> {
         let is_panels = matches!(run.profile.projection, Some(ProjectionSpec::Panels(_)));
-        if framed.directions().is_some() && pose.is_none() && !is_panels {
-            return Ok(Self::Inverse);
+        match framed.directions() {
+            Some(directions) if pose.is_none() && !is_panels => Ok(Self::Inverse(directions)),
+            _ => {
+                let errors = pose.map_or(&[][..], |pose| &pose.errors);
+                Ok(Self::Traced(Box::new(engine(run, design)?.0), errors, pose.is_some()))
+            }
         }
-        let errors = pose.map_or(&[][..], |pose| &pose.errors);
-        Ok(Self::Traced(Box::new(engine(run, design)?.0), errors, pose.is_some()))
     }
 
     /// The table of a picture for photos of `photo` pixels.
@@ -164,10 +166,9 @@ impl<'a> MapWay<'a> {
         framed: &FramedPicture,
         photo: [usize; 2],
     ) -> Result<RemapTable, UnwrapError> {
-        match (self, framed.directions()) {
-            (Self::Inverse, Some(directions)) => RemapTable::new(optics, directions, photo),
-            (Self::Inverse, None) => unreachable!("a floor's places are traced"),
-            (Self::Traced(engine, errors, is_mounted), _) => {
+        match self {
+            Self::Inverse(directions) => RemapTable::new(optics, *directions, photo),
+            Self::Traced(engine, errors, is_mounted) => {
                 let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
                 let (camera, is_mounted) = (optics.camera, *is_mounted);
                 let sight = MountedSystem { engine, camera, made: &made, is_mounted };
