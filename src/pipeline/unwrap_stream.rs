@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::profile::Profile;
 use crate::results::{FramesFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
 use crate::unwrap::FrameTable;
-use crate::video::{Frame, FrameReader, FrameWriter, PixelFormat, VideoError, VideoFormat};
+use crate::video::{FrameReader, FrameWriter, PixelFormat, VideoError, VideoFormat, VideoFrame};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::Instant;
@@ -127,8 +127,8 @@ impl PreparedStream<'_> {
     fn unwrap(&mut self, output: &mut (dyn Write + Send)) -> Result<u64, Error> {
         let from = self.reader.format().clone();
         let to = from.resized(self.framed.size());
-        let [mut frame, mut next] = [(); 2].map(|()| Frame::new(&from.pixels, from.size));
-        let mut picture = Frame::new(&to.pixels, to.size);
+        let [mut frame, mut next] = [(); 2].map(|()| VideoFrame::new(&from.pixels, from.size));
+        let mut picture = VideoFrame::new(&to.pixels, to.size);
         let Some(mut writer) = unless_closed(FrameWriter::new(output, &to))? else { return Ok(0) };
         let mut count = 0;
         let mut is_frame = self.reader.read(&mut frame).map_err(fault)?;

@@ -3,7 +3,7 @@
 use super::RemapTable;
 use super::plane_table::PlaneTable;
 use crate::parallel;
-use crate::video::{Frame, PixelFormat};
+use crate::video::{PixelFormat, VideoFrame};
 
 /// Resampling of the planes of a video's frames.
 ///
@@ -39,7 +39,7 @@ impl FrameTable {
     ///
     /// # Panics
     /// When one of them has another size or other planes than the table is for.
-    pub fn paint(&self, photo: &Frame, picture: &mut Frame) {
+    pub fn paint(&self, photo: &VideoFrame, picture: &mut VideoFrame) {
         let mut rows = Vec::new();
         for (k, plane) in picture.planes.iter_mut().enumerate() {
             let table = &self.planes[self.of_plane[k]];

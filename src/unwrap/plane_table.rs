@@ -4,7 +4,7 @@
 use super::RemapTable;
 use super::cubic_kernel::{Taps, kernels, sampled};
 use crate::parallel;
-use crate::video::SampleGrid;
+use crate::video::PlaneGrid;
 use std::ops::Range;
 
 /// Resampling of a plane.
@@ -30,7 +30,7 @@ struct PlaneRow {
 
 impl PlaneTable {
     /// The table of a plane with samples at `grid`, in the photo as in the picture.
-    pub(super) fn new(map: &RemapTable, grid: SampleGrid) -> Self {
+    pub(super) fn new(map: &RemapTable, grid: PlaneGrid) -> Self {
         let [from_width, from_height] = grid.count(map.photo);
         let panels: Vec<_> = (0..map.panels())
             .map(|panel| {
@@ -79,7 +79,7 @@ impl PlaneTable {
 
 /// The place in the photo, px, of a sample of the picture, and the panel that shows it: the mean of the pixels that the sample is between,
 /// as far as these are seen next to each other.
-fn place(map: &RemapTable, grid: SampleGrid, at: [usize; 2]) -> Option<([f64; 2], usize)> {
+fn place(map: &RemapTable, grid: PlaneGrid, at: [usize; 2]) -> Option<([f64; 2], usize)> {
     let [columns, rows] = [0, 1].map(|axis| grid.pixels(axis, at[axis], map.size[axis]));
     let pixels = rows.map(|y| columns.map(|x| map.places[y * map.size[0] + x]));
     let mut seen = pixels.into_iter().flatten().filter(|place| !place[0].is_nan());
@@ -93,7 +93,7 @@ fn place(map: &RemapTable, grid: SampleGrid, at: [usize; 2]) -> Option<([f64; 2]
 }
 
 /// Samples of an axis of `count` pixels that lie in these pixels alone.
-fn within(grid: SampleGrid, axis: usize, pixels: &Range<usize>, count: usize) -> Range<usize> {
+fn within(grid: PlaneGrid, axis: usize, pixels: &Range<usize>, count: usize) -> Range<usize> {
     let (step, first) = (grid.step[axis] as f64, grid.first[axis]);
     let samples = grid.count([count; 2])[axis];
     let from = ((pixels.start as f64 + 0.5 - first) / step).ceil().max(0.0) as usize;
@@ -123,7 +123,7 @@ mod tests {
         let centred = PixelFormat::Y4M[0].others.unwrap();
         let upper = PixelFormat::Y4M[2].others.unwrap();
         for (grid, pixels, samples) in [
-            (SampleGrid::PIXELS, 3..9, 3..9),
+            (PlaneGrid::PIXELS, 3..9, 3..9),
             (centred, 0..5, 0..2),
             (centred, 5..11, 3..6),
             (centred, 4..10, 2..5),

@@ -1,6 +1,6 @@
 //! Why a stream of frames cannot be read, and what to do about it.
 
-use super::frame::LEAST_SIDE;
+use super::pixel_format::LEAST_SIDE;
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use std::io;
 use thiserror::Error;

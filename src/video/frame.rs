@@ -1,19 +1,17 @@
 //! One frame: planes of code values, and how they lie in a stream.
 
+use super::pixel_format::LEAST_SIDE;
 use super::{PixelFormat, VideoError};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 
-/// Least pixels of a side: a plane of colour with half of them is as wide as the kernel.
-pub(super) const LEAST_SIDE: usize = 8;
-
 /// Code values of a frame, plane by plane, each row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Frame {
+pub struct VideoFrame {
     /// The planes: luma and two of chroma; grey; or red, green and blue.
     pub planes: Vec<Vec<u8>>,
 }
 
-impl Frame {
+impl VideoFrame {
     /// A frame of `size` pixels with zeros.
     #[must_use]
     pub fn new(format: &PixelFormat, size: [usize; 2]) -> Self {

@@ -8,7 +8,7 @@ mod stream;
 mod y4m;
 
 pub use error::VideoError;
-pub use frame::Frame;
-pub use pixel_format::{PixelFormat, SampleGrid};
+pub use frame::VideoFrame;
+pub use pixel_format::{PixelFormat, PlaneGrid};
 pub use stream::{FrameReader, FrameWriter};
 pub use y4m::VideoFormat;

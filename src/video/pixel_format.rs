@@ -1,15 +1,18 @@
 //! How the samples of a frame lie: which planes there are, and where the samples of each are.
 
+/// Least pixels of a side: a plane of colour with half of them is as wide as the kernel.
+pub(super) const LEAST_SIDE: usize = 8;
+
 /// Places of a plane's samples, in pixels from the left and the upper edge of the frame: sample k of an axis is at `first + k * step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SampleGrid {
+pub struct PlaneGrid {
     /// Pixels from sample to sample, across and down.
     pub step: [usize; 2],
     /// Place of the first sample, px.
     pub first: [f64; 2],
 }
 
-impl SampleGrid {
+impl PlaneGrid {
     /// A sample in the middle of each pixel.
     pub const PIXELS: Self = Self { step: [1; 2], first: [0.5; 2] };
 
@@ -40,7 +43,7 @@ pub struct PixelFormat {
     /// Name: of Y4M that of its colour tag, of raw frames ffmpeg's.
     pub name: &'static str,
     /// Planes of colour after the first, and where their samples are.
-    pub others: Option<SampleGrid>,
+    pub others: Option<PlaneGrid>,
     /// Whether the values of a pixel follow each other, in the place of planes.
     pub interleaved: bool,
     /// Code of the first plane, and of the others, that is black.
@@ -69,12 +72,12 @@ impl PixelFormat {
     ];
     /// Red, green and blue of each pixel.
     pub const RGB24: Self =
-        Self { name: "rgb24", others: Some(SampleGrid::PIXELS), interleaved: true, black: [0; 2] };
+        Self { name: "rgb24", others: Some(PlaneGrid::PIXELS), interleaved: true, black: [0; 2] };
     /// Grey.
     pub const GRAY8: Self = Self { name: "gray8", others: None, interleaved: false, black: [0; 2] };
 
     const fn y4m(name: &'static str, step: [usize; 2], first: [f64; 2]) -> Self {
-        let others = Some(SampleGrid { step, first });
+        let others = Some(PlaneGrid { step, first });
         Self { name, others, interleaved: false, black: LIMITED }
     }
 
@@ -84,8 +87,8 @@ impl PixelFormat {
     }
 
     /// Where the samples of each plane are.
-    pub fn grids(&self) -> impl Iterator<Item = SampleGrid> {
-        std::iter::once(SampleGrid::PIXELS).chain(self.others).chain(self.others)
+    pub fn grids(&self) -> impl Iterator<Item = PlaneGrid> {
+        std::iter::once(PlaneGrid::PIXELS).chain(self.others).chain(self.others)
     }
 
     /// Black of plane `k`.

@@ -1,7 +1,7 @@
 //! Frames of a stream, one after the other.
 
 use super::y4m::MAGIC;
-use super::{Frame, VideoError, VideoFormat};
+use super::{VideoError, VideoFormat, VideoFrame};
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
 
 /// Most bytes of a header's line: ffmpeg writes less than 100, and a comment may follow.
@@ -50,7 +50,7 @@ impl<R: Read> FrameReader<R> {
     ///
     /// # Errors
     /// [`VideoError`] with the frame's number.
-    pub fn read(&mut self, frame: &mut Frame) -> Result<bool, VideoError> {
+    pub fn read(&mut self, frame: &mut VideoFrame) -> Result<bool, VideoError> {
         let number = self.count + 1;
         let failed = |source| VideoError::Read { frame: number, source };
         if self.input.fill_buf().map_err(failed)?.is_empty() {
@@ -165,7 +165,7 @@ impl<W: Write> FrameWriter<W> {
     ///
     /// # Errors
     /// That of the output.
-    pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    pub fn write(&mut self, frame: &VideoFrame) -> io::Result<()> {
         if self.is_y4m {
             self.output.write_all(b"FRAME\n")?;
         }
@@ -190,9 +190,9 @@ mod tests {
     use super::*;
     use crate::video::PixelFormat;
 
-    fn frames<R: Read>(mut reader: FrameReader<R>) -> Result<Vec<Frame>, VideoError> {
+    fn frames<R: Read>(mut reader: FrameReader<R>) -> Result<Vec<VideoFrame>, VideoError> {
         let mut frames = Vec::new();
-        let mut frame = Frame::new(&reader.format().pixels, reader.format().size);
+        let mut frame = VideoFrame::new(&reader.format().pixels, reader.format().size);
         while reader.read(&mut frame)? {
             frames.push(frame.clone());
         }
