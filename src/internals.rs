@@ -98,3 +98,6 @@ pub mod publish {
 pub mod tolerance_terms {
     pub use crate::tolerance_terms::*;
 }
+pub mod video {
+    pub use crate::video::*;
+}

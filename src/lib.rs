@@ -106,6 +106,7 @@ mod tolerance_terms;
 mod trace;
 mod unwrap;
 mod verdict;
+mod video;
 
 pub use design::{Design, DesignError, MirrorPoint};
 pub use export::Label;
@@ -117,8 +118,9 @@ pub use mesh::{Face, MeshError};
 pub use pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Effort, Error, FrameOptions,
     InspectOptions, MachiningOptions, MapFormat, MountedCamera, Observer, OutputFile,
-    ProgramOptions, RenderOptions, ReplayOptions, Rows, Silent, SourceError, Stage, TableOptions,
-    ToleranceOptions, Unwrap, UnwrapOptions, UnwrapPicture, Verify, VerifyOptions, ViewAngles,
+    ProgramOptions, RawFormat, RawFrames, RenderOptions, ReplayOptions, Rows, Silent, SourceError,
+    Stage, TableOptions, ToleranceOptions, Unwrap, UnwrapFolder, UnwrapOptions, UnwrapPicture,
+    UnwrapStream, Verify, VerifyOptions, ViewAngles,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};

@@ -44,7 +44,7 @@ pub(super) enum CommandArg {
     Render(RenderArgs),
     /// Check how the mirror fills the camera's frame; pictures and figures into DIR/NAME/
     Frame(FrameArgs),
-    /// Turn a photo through the mirror into a panorama, a perspective view or a plan of the floor, into DIR/NAME/
+    /// Turn a photo, or a video's frames, through the mirror into a panorama, a perspective view or a plan of the floor, into DIR/NAME/
     Unwrap(UnwrapArgs),
     /// Tables of what each pixel looks at, for other programs: directions and a floor, and back; into DIR/NAME/table/
     Table(TableArgs),
@@ -73,6 +73,13 @@ pub(super) enum CommandArg {
     Completions(CompletionsArgs),
     /// Print the manual page of the program, or of one command
     Man(ManArgs),
+}
+
+impl CommandArg {
+    /// Whether standard output is taken by frames, so that everything else goes to stderr.
+    pub(super) fn takes_stdout(&self) -> bool {
+        matches!(self, Self::Unwrap(args) if args.is_stream())
+    }
 }
 
 // Arguments of `morion build`.

@@ -1,11 +1,13 @@
 //! Commands: from arguments to options.
 
 use super::args::{BlurArgs, BuildArgs, InspectArgs, MachiningArgs, ToleranceArgs, VerifyArgs};
-use super::picture_args::{FrameArgs, MapFormatArg, RenderArgs, RowsArg, TableArgs, UnwrapArgs};
+use super::picture_args::{
+    FrameArgs, MapFormatArg, RawFormatArg, RenderArgs, RowsArg, TableArgs, UnwrapArgs,
+};
 use crate::pipeline::{
     BlurOptions, BuildOptions, Effort, FrameOptions, InspectOptions, MachiningOptions, MapFormat,
-    RenderOptions, ReplayOptions, Rows, TableOptions, ToleranceOptions, Unwrap, UnwrapOptions,
-    UnwrapPicture, Verify, VerifyOptions,
+    RawFormat, RawFrames, RenderOptions, ReplayOptions, Rows, TableOptions, ToleranceOptions,
+    Unwrap, UnwrapFolder, UnwrapOptions, UnwrapPicture, UnwrapStream, Verify, VerifyOptions,
 };
 use crate::results::Aperture;
 use std::num::NonZeroUsize;
@@ -55,20 +57,65 @@ impl FrameArgs {
 }
 
 impl UnwrapArgs {
-    pub(super) fn command(&self) -> Unwrap<'_> {
+    fn picture(&self) -> UnwrapPicture {
         let [width, height] = [self.width, self.height].map(|pixels| pixels.map(NonZeroUsize::get));
         let (range_mm, mm_per_px) = (self.range_mm, self.mm_per_px);
-        let picture = match (self.view, self.ground) {
+        match (self.view, self.ground) {
             (Some(angles), _) => UnwrapPicture::View { angles, width, height },
             (_, Some(height_mm)) => UnwrapPicture::Ground { height_mm, range_mm, mm_per_px },
             _ => {
                 let projection = self.projection.map(Into::into);
                 UnwrapPicture::Panorama { projection, width }
             }
-        };
+        }
+    }
+
+    pub(super) fn command(&self) -> Unwrap<'_> {
         let (map, pose) = (self.map.map(Into::into), self.pose.as_deref());
-        let remap = UnwrapOptions::Remap { picture, map, pose };
+        let remap = UnwrapOptions::Remap { picture: self.picture(), map, pose };
         Unwrap { photo: &self.photo, options: if self.cuts { UnwrapOptions::Cuts } else { remap } }
+    }
+
+    /// The command for a folder of photos.
+    pub(super) fn folder(&self) -> UnwrapFolder<'_> {
+        let (map, pose) = (self.map.map(Into::into), self.pose.as_deref());
+        UnwrapFolder { photos: &self.photo, picture: self.picture(), map, pose }
+    }
+
+    /// The command for a stream of frames.
+    pub(super) fn stream(&self) -> UnwrapStream<'_> {
+        let raw = self.raw.map(|format| RawFrames { format: format.into(), pixels: self.pixels });
+        UnwrapStream { picture: self.picture(), pose: self.pose.as_deref(), raw }
+    }
+
+    /// What is asked for, but not of such a photo: why, and what to do.
+    pub(super) fn misplaced(&self) -> Option<&'static str> {
+        let is_stream = self.is_stream();
+        let is_folder = !is_stream && self.photo.is_dir();
+        match self {
+            Self { raw: Some(_), .. } if !is_stream => {
+                Some("--raw is for frames on standard input; write - in the place of the photo")
+            }
+            Self { cuts: true, .. } if is_stream || is_folder => {
+                Some("--cuts is for one photo; leave it out, or name a photo")
+            }
+            Self { map: Some(_), .. } if is_stream => Some(
+                "--map writes a file, and a stream is none; unwrap one of its frames, a PNG, with --map",
+            ),
+            Self { out: Some(_), .. } if is_stream => Some(
+                "--out is a folder, and frames of a stream go to standard output; write > FILE in its place",
+            ),
+            _ => None,
+        }
+    }
+}
+
+impl From<RawFormatArg> for RawFormat {
+    fn from(format: RawFormatArg) -> Self {
+        match format {
+            RawFormatArg::Rgb24 => Self::Rgb24,
+            RawFormatArg::Gray8 => Self::Gray8,
+        }
     }
 }
 

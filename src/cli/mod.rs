@@ -1,6 +1,7 @@
 //! Arguments, terminal manners and exit codes.
 
 mod args;
+mod byte_streams;
 mod commands;
 mod failure;
 mod memory;
@@ -35,6 +36,7 @@ use failure::CommandFailure;
 #[cfg(feature = "studio")]
 use memory::has_room_for;
 use memory::threads_with_room;
+use picture_args::UnwrapArgs;
 use progress::Progress;
 use serde::Serialize;
 use serde_json::json;
@@ -64,7 +66,7 @@ pub fn run() -> ExitCode {
         execute(&arguments).unwrap_or_else(|failure| {
             if arguments.format == PrintFormat::Json {
                 // (Who cannot read it has the exit code.)
-                let _ = print(&failure.json());
+                let _ = print(&failure.json(), arguments.command.takes_stdout());
             }
             complain("error", anstyle::AnsiColor::Red, &failure.to_string());
             UNABLE
@@ -79,15 +81,16 @@ fn unreadable(error: &clap::Error) -> ! {
     let as_json = arguments.iter().any(|word| word == "--format=json")
         || arguments.windows(2).any(|words| words == ["--format", "json"]);
     if error.use_stderr() && as_json {
-        let _ = print(&CommandFailure::said(error.to_string()).json());
+        let _ = print(&CommandFailure::said(error.to_string()).json(), false);
     }
     error.exit()
 }
 
 fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
     let Arguments { format, verbose, .. } = *arguments;
-    let terminal =
-        Terminal { format, verbose, lines: false, progress: Progress::new(arguments.quiet) };
+    let progress = Progress::new(arguments.quiet);
+    let to_stderr = arguments.command.takes_stdout();
+    let terminal = Terminal { format, verbose, lines: false, to_stderr, progress };
     match &arguments.command {
         CommandArg::Build(args) => {
             let lines = args.profiles.len() > 1;
@@ -103,7 +106,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         }
         CommandArg::Render(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Frame(args) => terminal.publish(&args.options(), &args.profile, &args.out),
-        CommandArg::Unwrap(args) => terminal.publish(&args.command(), &args.profile, &args.out),
+        CommandArg::Unwrap(args) => terminal.unwrap(args),
         CommandArg::Table(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Tolerance(args) => terminal.tolerance(args),
@@ -117,10 +120,10 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Profiles(args) => terminal.profiles(args),
         CommandArg::Schema(args) => terminal.schema(args),
         CommandArg::Completions(args) => {
-            print(&shell_help::completions(args.shell)).map(|()| PASSED)
+            print(&shell_help::completions(args.shell), false).map(|()| PASSED)
         }
         CommandArg::Man(args) => {
-            print(&shell_help::manual(args.command.as_deref())?).map(|()| PASSED)
+            print(&shell_help::manual(args.command.as_deref())?, false).map(|()| PASSED)
         }
     }
 }
@@ -132,6 +135,8 @@ struct Terminal {
     verbose: bool,
     /// Whether JSON is a line for each of several answers.
     lines: bool,
+    /// Whether answers go to stderr.
+    to_stderr: bool,
     progress: Progress,
 }
 
@@ -178,6 +183,23 @@ impl Terminal {
             }
         }
         CommandFailure::none_of(failures).map(|()| code)
+    }
+
+    fn unwrap(&self, args: &UnwrapArgs) -> Result<u8, CommandFailure> {
+        if let Some(why) = args.misplaced() {
+            return Err(CommandFailure::said(why.into()));
+        }
+        let out = args.out.as_deref().unwrap_or(Path::new("out"));
+        if args.is_stream() {
+            let (mut input, mut output) = (byte_streams::input(), byte_streams::output());
+            let profile = load(&args.profile)?;
+            let report = args.stream().run(&profile, &mut input, &mut output, &self.progress)?;
+            return self.conclude(&report, None);
+        }
+        match args.photo.is_dir() {
+            true => self.publish(&args.folder(), &args.profile, out),
+            false => self.publish(&args.command(), &args.profile, out),
+        }
     }
 
     fn check(&self, named: &str) -> Result<u8, CommandFailure> {
@@ -231,7 +253,7 @@ impl Terminal {
                     "no profile {name} is shipped; `morion profiles` lists them"
                 ))
             };
-            print(known.ok_or_else(missing)?.text)?;
+            print(known.ok_or_else(missing)?.text, false)?;
             return Ok(PASSED);
         }
         for Shipped { name, text } in shipped() {
@@ -252,7 +274,7 @@ impl Terminal {
     /// Prints the JSON Schema of an output, or lists the outputs.
     fn schema(&self, args: &SchemaArgs) -> Result<u8, CommandFailure> {
         if let Some(name) = &args.name {
-            print(schemas::named(name)?)?;
+            print(schemas::named(name)?, false)?;
             return Ok(PASSED);
         }
         let columns = columns(&std::io::stdout());
@@ -306,10 +328,11 @@ impl Terminal {
         text: impl FnOnce() -> String,
         json: impl FnOnce() -> String,
     ) -> Result<(), CommandFailure> {
-        print(&match self.format {
+        let text = match self.format {
             PrintFormat::Text => styles::styled(&text()),
             PrintFormat::Json => json(),
-        })
+        };
+        print(&text, self.to_stderr)
     }
 }
 
@@ -352,8 +375,13 @@ fn line(answer: &impl Serialize) -> String {
     format!("{}\n", json!(answer))
 }
 
-/// Prints to stdout; a reader that has gone away is no error.
-fn print(text: &str) -> Result<(), CommandFailure> {
+/// Prints to stdout, or to stderr where frames take that; a reader that has gone away is no error.
+fn print(text: &str, to_stderr: bool) -> Result<(), CommandFailure> {
+    if to_stderr {
+        // (As of messages.)
+        let _ = anstream::stderr().write_all(text.as_bytes());
+        return Ok(());
+    }
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

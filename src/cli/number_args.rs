@@ -41,6 +41,14 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     number(text, "a number from -1e9 to 1e9", |x| x.abs() <= 1e9)
 }
 
+/// Pixels across and down.
+pub(super) fn frame_size(text: &str) -> Result<[usize; 2], String> {
+    let size = text.split_once(['x', 'X']).and_then(|(width, height)| {
+        Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
+    });
+    size.ok_or_else(|| "it must be pixels across and down, as in 1280x720".into())
+}
+
 /// Direction and field of a view, degrees.
 pub(super) fn view_angles(text: &str) -> Result<ViewAngles, String> {
     let angles: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();

@@ -1,6 +1,6 @@
 //! Arguments of the commands that make pictures and tables.
 
-use super::number_args::{finite, positive, share, view_angles};
+use super::number_args::{finite, frame_size, positive, share, view_angles};
 use crate::pipeline::{TableOptions, ViewAngles};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
@@ -48,14 +48,15 @@ pub(super) struct FrameArgs {
 // Arguments of `morion unwrap`.
 #[derive(Debug, Args)]
 pub(super) struct UnwrapArgs {
-    /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
+    /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution. Or a folder of such photos, all of one size; or - for the
+    /// frames of a Y4M stream on standard input, which go to standard output
     pub photo: PathBuf,
     /// Profile file, or name of a shipped profile
     #[arg(long)]
     pub profile: String,
-    /// Folder for results
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub out: PathBuf,
+    /// Folder for results, but of a stream [default: out]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Only cut out the panels, turn them upright and lay them side by side
     #[arg(long, conflicts_with_all = ["map", "projection", "width", "view", "ground", "pose"])]
     pub cuts: bool,
@@ -100,6 +101,19 @@ pub(super) struct UnwrapArgs {
     /// Pixels down the view [default: three quarters of those across]
     #[arg(long, value_name = "N", requires = "view")]
     pub height: Option<NonZeroUsize>,
+    /// The stream is one of frames without headers, of such pixels
+    #[arg(long, value_enum, value_name = "FORMAT", conflicts_with = "cuts")]
+    pub raw: Option<RawFormatArg>,
+    /// Pixels across and down of frames without headers [default: the camera's in the profile]
+    #[arg(long, value_name = "WxH", value_parser = frame_size, requires = "raw")]
+    pub pixels: Option<[usize; 2]>,
+}
+
+impl UnwrapArgs {
+    /// Whether frames of standard input go to standard output.
+    pub(super) fn is_stream(&self) -> bool {
+        self.photo.as_os_str() == "-"
+    }
 }
 
 // Arguments of `morion table`.
@@ -129,6 +143,15 @@ pub(super) struct TableArgs {
     /// Folder for results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+}
+
+/// Pixels of frames without headers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RawFormatArg {
+    /// Red, green and blue, a byte each
+    Rgb24,
+    /// A byte of grey
+    Gray8,
 }
 
 /// Formats of a map.

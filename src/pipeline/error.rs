@@ -14,6 +14,8 @@ use crate::raster::RasterError;
 use crate::solid::SolidError;
 use crate::tolerance::TracksError;
 use crate::unwrap::{MapEncodingError, UnwrapError};
+use crate::video::VideoError;
+use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -310,6 +312,48 @@ pub enum PhotoError {
         /// What to do about it.
         remedy: &'static str,
     },
+    /// A folder has no pictures.
+    #[error(
+        "{folder}: there is no PNG, JPEG or EXR in this folder; convert its pictures to PNG, or name another folder"
+    )]
+    NoPictures {
+        /// The folder.
+        folder: String,
+    },
+    /// Two pictures of a folder would be unwrapped to one file.
+    #[error("{folder}: {} and {} would both become {name}; rename one of them", files[0], files[1])]
+    SameName {
+        /// The folder.
+        folder: String,
+        /// The file.
+        name: String,
+        /// The pictures.
+        files: [String; 2],
+    },
+    /// A picture of a folder has not the size of the first one.
+    #[error(
+        "{photo} has {} x {} pixels, and the folder's first picture has {} x {}; move it to a folder of its own, or scale it to this size",
+        pixels[0], pixels[1], first[0], first[1]
+    )]
+    OtherSize {
+        /// The picture.
+        photo: String,
+        /// Its pixels, across and down.
+        pixels: [usize; 2],
+        /// Those of the first one.
+        first: [usize; 2],
+    },
+    /// A stream of frames cannot be read.
+    #[error("{input}: {source}")]
+    Stream {
+        /// Name of the stream.
+        input: &'static str,
+        /// Why not.
+        source: VideoError,
+    },
+    /// Frames cannot be written.
+    #[error("cannot write to standard output: {0}")]
+    Output(#[source] io::Error),
     /// The map cannot be encoded.
     #[error(transparent)]
     Table(#[from] MapEncodingError),

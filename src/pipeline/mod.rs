@@ -48,7 +48,11 @@ mod told_error;
 mod tolerance;
 mod tolerance_spec;
 mod unwrap;
+mod unwrap_facts;
+mod unwrap_folder;
+mod unwrap_map;
 mod unwrap_picture;
+mod unwrap_stream;
 mod verify;
 mod verify_points;
 mod verify_program;
@@ -77,7 +81,9 @@ pub use table::TableOptions;
 pub use told_error::all_errors;
 pub use tolerance::{ToleranceOptions, TrialsFile, TrialsPart, merge};
 pub use unwrap::{MapFormat, Unwrap, UnwrapOptions};
+pub use unwrap_folder::UnwrapFolder;
 pub use unwrap_picture::{Rows, UnwrapPicture};
+pub use unwrap_stream::{RawFormat, RawFrames, UnwrapStream};
 pub use verify::{Verify, VerifyOptions, verify};
 
 /// What the benchmark times and writes, stage by stage.

@@ -39,6 +39,8 @@ pub enum Stage {
     Blur,
     /// What the camera sees.
     Picture,
+    /// Frames -> what each is unwrapped to.
+    Frames,
     /// Errors -> derivatives of the picture.
     Sensitivities,
     /// Many made systems.
@@ -68,6 +70,7 @@ impl Stage {
             Self::Coverage => "coverage",
             Self::Blur => "blur",
             Self::Picture => "picture",
+            Self::Frames => "frames",
             Self::Sensitivities => "errors",
             Self::Trials => "trials",
             Self::Budget => "budget",

@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 const PREFIX: &str = ".morion-";
 const SUFFIX: &str = ".tmp";
@@ -22,9 +22,7 @@ static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// No other is begun afterwards: whoever wants to waits for ever.
 pub fn abandon() {
     let temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
-    for path in temporary.iter() {
-        let _ = std::fs::remove_file(path);
-    }
+    temporary.iter().for_each(|path| remove_temporary(path));
     std::mem::forget(temporary);
 }
 
@@ -41,6 +39,26 @@ pub(super) struct Folder {
 #[must_use]
 pub(super) struct PublishLock {
     _folder: Option<File>,
+}
+
+/// A folder that goes with all that is in it when it is dropped.
+#[derive(Debug)]
+pub(super) struct TemporaryFolder {
+    folder: TempDir,
+    /// Tells other commands that it is not abandoned.
+    _lock: Option<File>,
+}
+
+impl TemporaryFolder {
+    /// Where it is.
+    pub(super) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes a temporary file or folder, as far as that is possible.
+fn remove_temporary(path: &Path) {
+    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
 }
 
 impl Folder {
@@ -96,7 +114,7 @@ impl Folder {
         for entry in entries.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && abandoned(&entry.path()) {
-                let _ = std::fs::remove_file(entry.path());
+                remove_temporary(&entry.path());
             }
         }
     }
@@ -130,6 +148,21 @@ impl Folder {
     /// Where it is.
     pub(crate) fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// A temporary folder in it, for files of which there are too many to keep each open.
+    pub(super) fn temporary_folder(&self) -> io::Result<TemporaryFolder> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PREFIX).suffix(SUFFIX);
+        // As of files: no sweep comes before the lock.
+        let _lock = self.locked(File::lock_shared);
+        let mut known = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+        let folder = builder.tempdir_in(&self.path)?;
+        known.push(folder.path().to_owned());
+        drop(known);
+        let lock = File::open(folder.path()).ok();
+        let _ = lock.as_ref().map(File::try_lock);
+        Ok(TemporaryFolder { folder, _lock: lock })
     }
 
     pub(super) fn temporary(&self) -> io::Result<NamedTempFile> {

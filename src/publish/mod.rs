@@ -10,5 +10,5 @@ mod transaction;
 pub use error::FileError;
 pub use folder::abandon;
 pub use hash::{HashingWriter, hash_pieces, sha256};
-pub use read::{read, read_at_most, read_below, read_named};
+pub use read::{files_of, read, read_at_most, read_below, read_named};
 pub use transaction::{OutputFile, StagedFile, Transaction};

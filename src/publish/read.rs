@@ -4,7 +4,7 @@ use super::FileError;
 use super::error::READ;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 /// Most bytes of a file that is read: twice those of the most triangles that there may be, as OBJ.
 const MOST_BYTES: u64 = 8_000_000_000;
@@ -68,6 +68,18 @@ pub fn read_below(folder: &Path, name: &Path, outside: bool) -> Result<Vec<u8>, 
         return Err(FileError::new(READ, &path)(io::Error::new(ErrorKind::PermissionDenied, text)));
     }
     read_named(&path, MOST_BYTES)
+}
+
+/// Paths of the files of a folder, in no order; folders in it are left out.
+///
+/// # Errors
+/// [`FileError`] when it cannot be read.
+pub fn files_of(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let run = || -> io::Result<Vec<PathBuf>> {
+        let paths = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+        paths.filter(|path| !path.as_ref().is_ok_and(|path| path.is_dir())).collect()
+    };
+    run().map_err(FileError::new(READ, folder))
 }
 
 /// Whether a path leads downwards alone.

@@ -1,7 +1,7 @@
 //! The files of one command: each is written under a temporary name, and all get their own names at once.
 
-use super::folder::Folder;
-use super::{FileError, HashingWriter};
+use super::folder::{Folder, TemporaryFolder};
+use super::{FileError, HashingWriter, sha256};
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -23,6 +23,8 @@ pub struct Transaction {
     stale: Vec<String>,
     /// The files that were committed to memory.
     committed: Vec<OutputFile>,
+    /// Where files are of which there are many, until they are published.
+    many: Option<TemporaryFolder>,
 }
 
 /// A file in memory.
@@ -48,7 +50,20 @@ pub struct StagedFile {
 enum Content {
     /// Under a temporary name beside the one that it will have.
     Temporary(NamedTempFile, PathBuf),
+    /// In a temporary folder; and the name that it will have.
+    OneOfMany(PathBuf, PathBuf),
     Memory(Vec<u8>),
+}
+
+impl Content {
+    /// Where it is on the disk, and where it will be; or else its bytes.
+    fn paths(&self) -> Result<[&Path; 2], &[u8]> {
+        match self {
+            Self::Temporary(file, target) => Ok([file.path(), target]),
+            Self::OneOfMany(path, target) => Ok([path, target]),
+            Self::Memory(bytes) => Err(bytes),
+        }
+    }
 }
 
 impl Transaction {
@@ -65,7 +80,7 @@ impl Transaction {
     /// A transaction whose files stay in memory.
     pub fn in_memory() -> Self {
         let (staged, stale, committed) = (Vec::new(), Vec::new(), Vec::new());
-        Self { folder: None, staged, report: None, stale, committed }
+        Self { folder: None, staged, report: None, stale, committed, many: None }
     }
 
     /// The folder; none in memory.
@@ -117,6 +132,32 @@ impl Transaction {
     /// [`FileError`] when it cannot be written.
     pub fn add_bytes(&mut self, name: &str, bytes: &[u8]) -> Result<&StagedFile, FileError> {
         self.add(name, |out| out.write_all(bytes))
+    }
+
+    /// Adds one of many files with these bytes, which are on the disk then: nothing is kept open for it.
+    ///
+    /// # Errors
+    /// [`FileError`] when it cannot be written.
+    pub fn add_of_many(&mut self, name: &str, bytes: &[u8]) -> Result<&StagedFile, FileError> {
+        let Some(folder) = &self.folder else { return self.add_bytes(name, bytes) };
+        let target = folder.path().join(name);
+        let mut run = || -> io::Result<Content> {
+            if target.is_dir() {
+                return Err(ErrorKind::IsADirectory.into());
+            }
+            if self.many.is_none() {
+                self.many = Some(folder.temporary_folder()?);
+            }
+            let path = self.many.as_ref().ok_or(ErrorKind::NotFound)?.path().join(name);
+            let mut file = File::create(&path)?;
+            file.write_all(bytes)?;
+            file.sync_all()?;
+            Ok(Content::OneOfMany(path, target.clone()))
+        };
+        let content = run().map_err(FileError::new("write", &target))?;
+        let (name, sha256) = (name.to_owned(), sha256(bytes));
+        self.staged.push(StagedFile { name, sha256, content, synchronised: None });
+        Ok(&self.staged[self.staged.len() - 1])
     }
 
     /// Adds the file that speaks of all others, to be published last: where it is new, they are.
@@ -177,6 +218,7 @@ impl Transaction {
             }
         }
         files.into_iter().try_for_each(StagedFile::publish)?;
+        self.many = None;
         stale.iter().try_for_each(|name| folder.remove(name))
     }
 
@@ -191,6 +233,7 @@ impl Drop for Transaction {
     fn drop(&mut self) {
         self.staged.clear();
         self.report = None;
+        self.many = None;
         if let Some(folder) = &self.folder {
             folder.remove_unused();
         }
@@ -255,10 +298,7 @@ impl StagedFile {
 
     /// Where it is now; none in memory.
     pub fn path(&self) -> Option<&Path> {
-        match &self.content {
-            Content::Temporary(file, _) => Some(file.path()),
-            Content::Memory(_) => None,
-        }
+        self.content.paths().ok().map(|[path, _]| path)
     }
 
     /// The name that it will have.
@@ -276,11 +316,9 @@ impl StagedFile {
     /// # Errors
     /// [`FileError`] when they cannot be read.
     pub fn read(&self) -> Result<Vec<u8>, FileError> {
-        match &self.content {
-            Content::Temporary(file, target) => {
-                std::fs::read(file.path()).map_err(FileError::new("read back", target))
-            }
-            Content::Memory(bytes) => Ok(bytes.clone()),
+        match self.content.paths() {
+            Ok([path, target]) => std::fs::read(path).map_err(FileError::new("read back", target)),
+            Err(bytes) => Ok(bytes.to_vec()),
         }
     }
 
@@ -289,21 +327,19 @@ impl StagedFile {
     /// # Errors
     /// [`FileError`] when it cannot be opened.
     pub fn open(&self) -> Result<Box<dyn Read + Send + '_>, FileError> {
-        match &self.content {
-            Content::Temporary(file, target) => match File::open(file.path()) {
+        match self.content.paths() {
+            Ok([path, target]) => match File::open(path) {
                 Ok(file) => Ok(Box::new(file)),
                 Err(error) => Err(FileError::new("read back", target)(error)),
             },
-            Content::Memory(bytes) => Ok(Box::new(&bytes[..])),
+            Err(bytes) => Ok(Box::new(bytes)),
         }
     }
 
     /// That it cannot be read back.
     pub fn unreadable(&self, error: io::Error) -> FileError {
-        match &self.content {
-            Content::Temporary(_, target) => FileError::new("read back", target)(error),
-            Content::Memory(_) => FileError::new("read back", Path::new(&self.name))(error),
-        }
+        let place = self.content.paths().map_or(Path::new(&self.name), |[_, target]| target);
+        FileError::new("read back", place)(error)
     }
 
     /// Whether it holds figures of other files of its set.
@@ -313,8 +349,16 @@ impl StagedFile {
 
     /// Gives it its own name, replacing what was there.
     fn publish(self) -> Result<(), FileError> {
-        let Content::Temporary(file, target) = self.content else { return Ok(()) };
-        file.persist(&target).map(drop).map_err(|e| FileError::new("write", &target)(e.error))
+        match self.content {
+            Content::Temporary(file, target) => file
+                .persist(&target)
+                .map(drop)
+                .map_err(|e| FileError::new("write", &target)(e.error)),
+            Content::OneOfMany(path, target) => {
+                std::fs::rename(path, &target).map_err(FileError::new("write", &target))
+            }
+            Content::Memory(_) => Ok(()),
+        }
     }
 
     fn into_memory(self) -> Option<OutputFile> {
@@ -349,6 +393,39 @@ mod tests {
         other.add_bytes("b", b"whole").unwrap();
         drop(other);
         assert_eq!(names(path).len(), 2);
+    }
+
+    #[test]
+    fn many_files_wait_in_a_folder_of_their_own() {
+        let temporary = tempfile::tempdir().unwrap();
+        let path = temporary.path();
+        let mut files = Transaction::open(path).unwrap();
+        for k in 0..3 {
+            files.add_of_many(&format!("{k}.png"), &[k; 5]).unwrap();
+        }
+        assert_eq!(files.staged("2.png").unwrap().read().unwrap(), [2; 5]);
+        assert_eq!(names(path).len(), 1);
+        // Another command leaves them alone.
+        drop(Transaction::open(path).unwrap());
+        files.commit().unwrap();
+        let mut left = names(path);
+        left.sort();
+        assert_eq!(left, ["0.png", "1.png", "2.png"]);
+        let mut failed = Transaction::open(&path.join("new")).unwrap();
+        failed.add_of_many("0.png", b"half").unwrap();
+        drop(failed);
+        assert_eq!(names(path).len(), 3);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_folder_of_a_killed_command_goes() {
+        let temporary = tempfile::tempdir().unwrap();
+        let left = temporary.path().join(".morion-killed.tmp");
+        std::fs::create_dir(&left).unwrap();
+        std::fs::write(left.join("0.png"), "half a f").unwrap();
+        Transaction::open(temporary.path()).unwrap();
+        assert!(names(temporary.path()).is_empty());
     }
 
     #[test]

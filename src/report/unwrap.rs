@@ -2,8 +2,8 @@
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use crate::results::{
-    GroundFacts, PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, ViewFacts, figures,
-    three_digits,
+    FramesFacts, GroundFacts, PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, ViewFacts,
+    figures, three_digits,
 };
 
 impl Answer for UnwrapReport {
@@ -29,7 +29,10 @@ impl Answer for UnwrapReport {
             }
             rows.terminal("map", text);
         }
-        self.files.add_to(&mut rows);
+        match &self.frames {
+            None => self.files.add_to(&mut rows),
+            Some(frames) => rows.append(AnswerRows::of(&[frames])),
+        }
         rows
     }
 }
@@ -42,6 +45,16 @@ impl ToRows for PhotoFacts {
         };
         let (name, [width, height]) = (&self.name, self.pixels);
         rows.terminal("photo", format!("{name}: {width} x {height} pixels, {scale}"));
+    }
+}
+
+impl ToRows for FramesFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let what = match self.format {
+            "pictures" => "pictures of the folder".to_owned(),
+            format => format!("frames of the stream, {format}"),
+        };
+        rows.terminal("frames", format!("{} {what}", self.count));
     }
 }
 

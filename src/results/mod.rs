@@ -61,7 +61,9 @@ pub use study_faults::{CutterPart, CuttingFault, ReplayFault, StockMeeting, Stud
 pub use table::{FieldFacts, FloorFacts, PlaceMapFacts, TableReport};
 pub use tolerance::{FacetsFrom, ToleranceReport};
 pub use tool::ToolFacts;
-pub use unwrap::{GroundFacts, PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, ViewFacts};
+pub use unwrap::{
+    FramesFacts, GroundFacts, PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, ViewFacts,
+};
 pub(crate) use wording::{
     coordinate, digits, displacement, figures, file_size, of_at_most, percent, three_digits,
 };

@@ -2,6 +2,7 @@
 
 use super::{FileFacts, ProfileId};
 use crate::num::stats::{Summary, or_null};
+use crate::unwrap::RemapTable;
 use serde::Serialize;
 
 /// A photo through a mirror, unwrapped.
@@ -14,6 +15,9 @@ pub struct UnwrapReport {
     pub profile: ProfileId,
     /// The photo.
     pub photo: PhotoFacts,
+    /// The frames of a stream or the pictures of a folder; absent of a single photo.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<FramesFacts>,
     /// The file of the pose; absent of the system as designed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pose: Option<String>,
@@ -40,12 +44,22 @@ pub struct UnwrapReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PhotoFacts {
-    /// Name of the photo, as it was given.
+    /// Name of the photo or of the folder, as it was given; "-" of a stream.
     pub name: String,
     /// Columns and rows.
     pub pixels: [usize; 2],
     /// Pixels of the photo to one of the sensor, across.
     pub pixels_per_sensor_pixel: f64,
+}
+
+/// Frames of a video.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct FramesFacts {
+    /// "pictures" of a folder; of Y4M the name of its colour tag; of raw frames "rgb24" or "gray8".
+    pub format: &'static str,
+    /// Number of frames that were unwrapped.
+    pub count: u64,
 }
 
 /// A panorama.
@@ -106,4 +120,10 @@ pub struct UnwrapMapFacts {
     #[serde(serialize_with = "or_null")]
     #[cfg_attr(test, schemars(with = "Summary"))]
     pub distortion_px: Option<Summary>,
+}
+
+impl From<&RemapTable> for UnwrapMapFacts {
+    fn from(map: &RemapTable) -> Self {
+        Self { seen: map.seen(), distortion_px: map.distortion_px }
+    }
 }

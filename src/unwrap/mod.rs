@@ -1,17 +1,21 @@
 //! Photos through a mirror -> panoramas, perspective views and plans: by plain cuts, or with everything fetched from where the mirror
 //! shows it. A [`RemapTable`] says where that is: of directions in the designed mirror by an [`InverseMap`], or by places that are known
-//! from elsewhere.
+//! from elsewhere; a [`FrameTable`] is the same for the frames of a video.
 //!
 //! Shadows are not looked for: where one panel of a valley hides the other, the photo shows its panel.
 
+mod cubic_kernel;
+mod frame_table;
 mod inverse_map;
 mod map_files;
 mod panel_crop;
 mod panorama;
 mod perspective_view;
+mod plane_table;
 mod remap_table;
 mod row;
 
+pub use frame_table::FrameTable;
 pub use inverse_map::{ImageLocation, InverseMap, InverseSearch};
 pub use map_files::MapEncodingError;
 pub use panel_crop::crop_panels;

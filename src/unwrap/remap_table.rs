@@ -6,6 +6,7 @@ use super::{DirectionPicture, ImageLocation, ImagingSystem, InverseMap, UnwrapEr
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::raster::Raster;
+use std::ops::Range;
 
 /// Most samples of the photo along each side of a pixel of the picture.
 const MOST_SAMPLES: usize = 16;
@@ -125,8 +126,25 @@ impl RemapTable {
         Raster { width, height, rgb }
     }
 
+    /// Number of panels that are sampled each by itself.
+    pub(super) fn panels(&self) -> usize {
+        self.panels.len()
+    }
+
+    /// Columns and rows of the photo that show a panel.
+    pub(super) fn panel_pixels(&self, panel: usize) -> [Range<usize>; 2] {
+        let PanelCrop { columns, rows } = &self.panels[panel];
+        [columns.clone(), rows.clone()]
+    }
+
+    /// Whether two positions that belong next to each other in the picture are so in the photo.
+    pub(super) fn are_neighbours(&self, a: [f32; 2], b: [f32; 2]) -> bool {
+        let near = (0..2).all(|k| (a[k] - b[k]).abs() <= JUMP * self.photo[0] as f32);
+        near && self.panel(a) == self.panel(b)
+    }
+
     /// Number of the panel that shows a position.
-    fn panel(&self, place: [f32; 2]) -> usize {
+    pub(super) fn panel(&self, place: [f32; 2]) -> usize {
         let rows = &self.panels[0].rows;
         let first_above = rows.start < self.photo[1] - rows.end;
         let above = place[1] < 0.5 * self.photo[1] as f32;
@@ -144,8 +162,7 @@ impl RemapTable {
         };
         let (from, to) = (self.places[from], self.places[to]);
         let step = [0, 1].map(|c| to[c] - from[c]);
-        let near = step.iter().all(|s| s.abs() <= JUMP * self.photo[0] as f32);
-        if near && self.panel(from) == self.panel(to) { step } else { [0.0; 2] }
+        if self.are_neighbours(from, to) { step } else { [0.0; 2] }
     }
 }
 

@@ -22,6 +22,8 @@ mod program;
 mod step;
 #[path = "../../fuzz/properties/stl.rs"]
 mod stl;
+#[path = "../../fuzz/properties/video.rs"]
+mod video;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -102,4 +104,9 @@ fn calibrations_of_the_fuzzer_have_rays_or_are_refused() {
 #[test]
 fn maps_of_the_fuzzer_are_pictures_or_refused() {
     replay("map", map::holds);
+}
+
+#[test]
+fn streams_of_the_fuzzer_are_read_or_refused() {
+    replay("video", video::holds);
 }

@@ -24,7 +24,7 @@ export.formats = [\"stl\"]
 ";
 
 /// A smooth picture without symmetry.
-fn picture(width: usize, height: usize) -> Raster {
+pub(super) fn picture(width: usize, height: usize) -> Raster {
     let pixel = |k: usize| {
         let (x, y) = ((k % width) as f32 / width as f32, (k / width) as f32 / height as f32);
         [0.1 + 0.8 * x, 0.1 + 0.8 * y, 0.9 - 0.8 * x * y]
@@ -32,7 +32,7 @@ fn picture(width: usize, height: usize) -> Raster {
     Raster { width, height, rgb: (0..width * height).map(pixel).collect() }
 }
 
-fn home() -> tempfile::TempDir {
+pub(super) fn home() -> tempfile::TempDir {
     let home = folder();
     let save = |name: &str, bytes: &[u8]| std::fs::write(home.path().join(name), bytes).unwrap();
     save("folded.toml", FOLDED.as_bytes());
@@ -43,7 +43,7 @@ fn home() -> tempfile::TempDir {
 
 /// Runs `morion unwrap` with `arguments`; its report.
 #[track_caller]
-fn unwrapped(home: &Path, arguments: &str) -> Value {
+pub(super) fn unwrapped(home: &Path, arguments: &str) -> Value {
     let all: Vec<&str> =
         ["unwrap", "--format", "json", "-q"].into_iter().chain(arguments.split(' ')).collect();
     let (code, out, err) = told(&morion(home, &all));
@@ -51,7 +51,7 @@ fn unwrapped(home: &Path, arguments: &str) -> Value {
     serde_json::from_str(&out).unwrap()
 }
 
-fn read(home: &Path, name: &str) -> Vec<u8> {
+pub(super) fn read(home: &Path, name: &str) -> Vec<u8> {
     std::fs::read(home.join("out/folded").join(name)).unwrap()
 }
 
@@ -234,7 +234,7 @@ fn what_cannot_be_unwrapped_is_refused_with_a_remedy_and_nothing_is_written() {
     unable(home, &format!("cut.png {at}"), &["cut.png: the PNG picture is cut off"]);
     unable(home, &format!("text.png {at}"), &["text.png: this is no PNG, JPEG or EXR"]);
     unable(home, &format!("none.png {at}"), &["cannot read none.png"]);
-    unable(home, &format!(". {at}"), &["cannot read ."]);
+    unable(home, &format!(". {at}"), &["./cut.png: the PNG picture is cut off"]);
     unable(home, &format!("wide.png {at}"), &["160 x 100", "160 x 120", "crop it"]);
     unable(home, "photo.png --profile given.toml", &["given has no [projection]"]);
     unable(home, "square.png --profile parabolic --cuts", &["round", "leave --cuts out"]);

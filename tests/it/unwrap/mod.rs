@@ -3,6 +3,7 @@
 
 mod files;
 mod pictures;
+mod video;
 
 use crate::support::builds::{SMALL, edited, parsed};
 use crate::support::{self, shipped_text};
