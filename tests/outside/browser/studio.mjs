@@ -97,6 +97,9 @@ try {
   await report.waitForSelector("#part3d canvas", { timeout: 60000 });
   hold(true, "its report opens, with the part to turn");
   await shot("built");
+  // Behind another page a browser draws, and looks, once a second.
+  await report.close();
+  await page.bringToFront();
 
   const unnamed = await page.evaluate(() => [...document.querySelectorAll("input, select, textarea, button")]
     .filter((one) => !one.labels?.length && !one.getAttribute("aria-label") && !one.textContent).map((one) => one.id || one.outerHTML));
