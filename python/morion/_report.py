@@ -47,8 +47,7 @@ class Report(Mapping[str, Any]):
     @property
     def reasons(self) -> list[str]:
         """Reasons of a fail in words, each with figures."""
-        lines = self.text.splitlines()
-        return [line[4:] for line in lines if line.startswith("  - ")]
+        return list(self._keys.get("reasons", []))
 
     @property
     def warnings(self) -> list[str]:

@@ -3,7 +3,6 @@
 use crate::design::Design;
 use crate::geom::Outline;
 use crate::num::hypot;
-use crate::num::random::RandomStream;
 use crate::num::stats::Summary;
 use crate::results::PmiFacts;
 use crate::tolerance::{Engine, FormLimit, Perturbation, ToleranceSpec};
@@ -40,8 +39,7 @@ impl<'a> FormStudy<'a> {
     /// Pixel errors against the projection, px, of a mirror with these form errors, um from peak to valley: traced in
     /// full at places all over the picture; none where a ray does not meet it.
     pub(super) fn pixel_errors(&self, form: &[(Perturbation, f64)]) -> Option<Summary> {
-        // Nothing in it is drawn.
-        let made = self.engine.make(form, RandomStream { seed: 0, trial: 0 });
+        let made = self.engine.with_errors(form);
         let moved = self.engine.displacements(&[made]).remove(0);
         let lengths: Vec<f64> = moved.chunks_exact(2).map(|d| hypot(d[0], d[1])).collect();
         Summary::of(lengths).filter(|errors| errors.max.is_finite())

@@ -1,7 +1,7 @@
 //! The camera with its mirror, as designed or as mounted: from pixels to the rays that they see, and from points of the world back to pixels.
 
 use super::Error;
-use super::mounted_system::{BEYOND_CELLS, FINE_STEPS, MountedSystem};
+use super::mounted_system::{BEYOND_CELLS, FINE_STEPS, MadeSystem, MountedSystem};
 use super::observer::Silent;
 use super::pose::KnownErrors;
 use super::run::Run;
@@ -9,9 +9,7 @@ use super::tolerance_spec::engine;
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::lookup::{CellSearch, Pole};
-use crate::num::random::RandomStream;
 use crate::parallel;
-use crate::tolerance::{Engine, PerturbedSystem};
 use glam::DMat2;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -39,9 +37,7 @@ const CONVERGED_PX: f64 = 1e-7;
 #[derive(Debug)]
 pub struct MountedCamera {
     design: Design,
-    engine: Engine,
-    made: PerturbedSystem,
-    is_mounted: bool,
+    made: MadeSystem,
     warning: Option<String>,
     search: OnceLock<DirectionSearch>,
 }
@@ -107,13 +103,9 @@ impl Design {
         let pose = pose.map(KnownErrors::read).transpose()?;
         let run = Run::in_memory(&self.profile, &Silent);
         let (engine, _) = engine(&run, self)?;
-        let errors = pose.as_ref().map_or(&[][..], |pose| &pose.errors);
-        let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
         Ok(MountedCamera {
             design: self.clone(),
-            engine,
-            made,
-            is_mounted: pose.is_some(),
+            made: MadeSystem::new(engine, pose.as_ref()),
             warning: pose.and_then(|pose| pose.warning(&self.profile)),
             search: OnceLock::new(),
         })
@@ -157,8 +149,7 @@ impl MountedCamera {
     }
 
     fn system(&self) -> MountedSystem<'_> {
-        let Self { design, engine, made, is_mounted, .. } = self;
-        MountedSystem { engine, camera: &design.camera, made, is_mounted: *is_mounted }
+        self.made.before(&self.design.camera)
     }
 
     fn frames(&self, place: DVec2) -> bool {
@@ -195,7 +186,8 @@ impl MountedCamera {
     /// Sets the places of those that show the mirror in the frame.
     fn add_shown(&self, found: Vec<Candidate>, places: &mut [Option<[f64; 2]>]) {
         let points: Vec<DVec2> = found.iter().map(|candidate| candidate.place).collect();
-        let on_mirror = self.engine.shows_mirror(&self.system().points(&points));
+        let system = self.system();
+        let on_mirror = system.engine.shows_mirror(&system.points(&points));
         for (Candidate { number, place, .. }, on_mirror) in found.into_iter().zip(on_mirror) {
             places[number] = (on_mirror && self.frames(place)).then(|| place.to_array());
         }

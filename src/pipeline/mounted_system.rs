@@ -1,5 +1,6 @@
 //! A system as it is mounted: its rays over a frame, and the places of the frame that show what is wanted.
 
+use super::pose::KnownErrors;
 use crate::geom::{DVec2, Ray};
 use crate::lookup::{BilinearField, FieldErrors, PixelGrid, PlaceMapDraft, Pole};
 use crate::optics::Camera;
@@ -18,7 +19,30 @@ pub(super) const FINE_STEPS: f64 = 1e12;
 /// Cells beyond those that are told in which places are looked for: beside the frame's edge and a ridge half of one.
 pub(super) const BEYOND_CELLS: f64 = 1.5;
 
-/// A made system.
+/// A system with the errors that are known of it.
+#[derive(Debug)]
+pub(super) struct MadeSystem {
+    engine: Engine,
+    made: PerturbedSystem,
+    is_mounted: bool,
+}
+
+impl MadeSystem {
+    /// The system with the errors of `pose`; without one that which was designed.
+    pub(super) fn new(engine: Engine, pose: Option<&KnownErrors>) -> Self {
+        let errors = pose.map_or(&[][..], |pose| &pose.errors);
+        let made = engine.with_errors(errors);
+        Self { engine, made, is_mounted: pose.is_some() }
+    }
+
+    /// The same with its camera, which is given as designed.
+    pub(super) fn before<'a>(&'a self, camera: &'a Camera) -> MountedSystem<'a> {
+        let Self { engine, made, is_mounted } = self;
+        MountedSystem { engine, camera, made, is_mounted: *is_mounted }
+    }
+}
+
+/// A made system and its camera.
 pub(super) struct MountedSystem<'a> {
     /// Engine of the study of tolerances.
     pub engine: &'a Engine,

@@ -1,7 +1,7 @@
 //! `morion table`: from pixels to directions and places of a floor, and back, for other programs.
 
 use super::floor_plan::FloorPlan;
-use super::mounted_system::MountedSystem;
+use super::mounted_system::{MadeSystem, MountedSystem};
 use super::pose::KnownErrors;
 use super::run::{Command, Run};
 use super::table_files::TableFiles;
@@ -10,7 +10,6 @@ use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Stage};
 use crate::geom::Ray;
 use crate::lookup::{FieldErrors, MapFrame, NodeTable, PixelGrid, PlaceMap};
-use crate::num::random::RandomStream;
 use crate::num::stats::Summary;
 use crate::profile::Profile;
 use crate::report::Answer;
@@ -87,11 +86,8 @@ impl Command for TableOptions<'_> {
     fn run(&self, run: &mut Run) -> Result<TableReport, Error> {
         let pose = self.pose.map(KnownErrors::read).transpose()?;
         let PreparedStudy { design, engine, .. } = prepared(run)?;
-        let errors = pose.as_ref().map_or(&[][..], |pose| &pose.errors);
-        let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
-        let is_mounted = pose.is_some();
-        let sight =
-            MountedSystem { engine: &engine, camera: &design.camera, made: &made, is_mounted };
+        let made = MadeSystem::new(engine, pose.as_ref());
+        let sight = made.before(&design.camera);
         let (mut report, files) = run.stage(Stage::Trace, || {
             let table = sight.table(self.grid(run.profile));
             let note = format!("{} nodes, {} places between", table.grid().count(), table.known());

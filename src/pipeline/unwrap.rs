@@ -1,7 +1,7 @@
 //! A photo and a profile -> a panorama, a view or a plan of the floor, and its map.
 
 use super::run::{Command, Run};
-use super::unwrap_facts::report_on;
+use super::unwrap_facts::{file_facts, report_on};
 use super::unwrap_map::{
     MappedPicture, PhotoSystem, PictureRequest, check_projection, imaging, picture_stage,
 };
@@ -183,12 +183,7 @@ impl Unwrap<'_> {
             let picture = (picture.to_owned(), "png", png);
             for (suffix, format, bytes) in [picture].into_iter().chain(table) {
                 let staged = transaction.add_bytes(&format!("{stem}-{suffix}"), &bytes)?;
-                files.push(FileFacts {
-                    name: staged.name().to_owned(),
-                    format: format.into(),
-                    bytes: bytes.len() as u64,
-                    sha256: staged.sha256().to_owned(),
-                });
+                files.push(file_facts(staged, format, &bytes));
             }
             Ok(())
         })?;

@@ -3,9 +3,22 @@
 use super::unwrap_picture::FramedPicture;
 use crate::optics::StripLaw;
 use crate::profile::Profile;
-use crate::results::{GroundFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapReport, ViewFacts};
+use crate::publish::StagedFile;
+use crate::results::{
+    FileFacts, GroundFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapReport, ViewFacts,
+};
 use crate::unwrap::Panorama;
 use std::path::Path;
+
+/// Facts of a file that was written with these bytes.
+pub(super) fn file_facts(staged: &StagedFile, format: &str, bytes: &[u8]) -> FileFacts {
+    FileFacts {
+        name: staged.name().to_owned(),
+        format: format.into(),
+        bytes: bytes.len() as u64,
+        sha256: staged.sha256().to_owned(),
+    }
+}
 
 /// The report on photos that were unwrapped to a picture, without map, frames, files and warnings; `way`: of the panorama.
 pub(super) fn report_on(

@@ -2,13 +2,13 @@
 
 use super::run::{Command, Run};
 use super::unwrap::{MapFormat, decoded};
-use super::unwrap_facts::report_on;
+use super::unwrap_facts::{file_facts, report_on};
 use super::unwrap_map::{MappedPicture, PhotoSystem, PictureRequest, check_projection};
 use super::unwrap_picture::UnwrapPicture;
 use super::{Error, PhotoError, Stage};
 use crate::parallel;
 use crate::profile::Profile;
-use crate::publish::{StagedFile, files_of};
+use crate::publish::files_of;
 use crate::results::{FileFacts, FramesFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
 use crate::unwrap::RemapTable;
 use std::collections::BTreeMap;
@@ -113,7 +113,7 @@ impl UnwrapFolder<'_> {
                 for (picture, png) in some.iter().zip(made) {
                     let png = png?;
                     let staged = transaction.add_of_many(&picture.name, &png)?;
-                    files.push(facts(staged, "png", &png));
+                    files.push(file_facts(staged, "png", &png));
                 }
             }
             let rate = pictures.len() as f64 / begun.elapsed().as_secs_f64();
@@ -127,20 +127,11 @@ impl UnwrapFolder<'_> {
         run.publish(Stage::Write, |transaction, _| {
             if let Some((format, bytes)) = &table {
                 let staged = transaction.add_bytes(&format!("map.{format}"), bytes)?;
-                files.push(facts(staged, format, bytes));
+                files.push(file_facts(staged, format, bytes));
             }
             Ok(())
         })?;
         Ok(files)
-    }
-}
-
-fn facts(staged: &StagedFile, format: &str, bytes: &[u8]) -> FileFacts {
-    FileFacts {
-        name: staged.name().to_owned(),
-        format: format.into(),
-        bytes: bytes.len() as u64,
-        sha256: staged.sha256().to_owned(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What photos of one size are unwrapped to, and the map for it.
 
-use super::mounted_system::MountedSystem;
+use super::mounted_system::MadeSystem;
 use super::observer::Silent;
 use super::pose::KnownErrors;
 use super::run::Run;
@@ -8,9 +8,7 @@ use super::tolerance_spec::engine;
 use super::unwrap_picture::{FramedPicture, UnwrapPicture};
 use super::{Error, PhotoError, Stage};
 use crate::design::Design;
-use crate::num::random::RandomStream;
 use crate::profile::{Profile, ProjectionSpec};
-use crate::tolerance::{Engine, Perturbation};
 use crate::unwrap::{DirectionPicture, ImagingSystem, RemapTable, UnwrapError};
 use std::path::Path;
 
@@ -140,22 +138,19 @@ enum MapWay<'a> {
     /// projection of its own.
     Inverse(&'a dyn DirectionPicture),
     /// Rays of the system as it is mounted.
-    Traced(Box<Engine>, &'a [(Perturbation, f64)], bool),
+    Traced(Box<MadeSystem>),
 }
 
 impl<'a> MapWay<'a> {
     fn new(
         run: &Run,
         (design, framed): (&Design, &'a FramedPicture),
-        pose: Option<&'a KnownErrors>,
+        pose: Option<&KnownErrors>,
     ) -> Result<Self, Error> {
         let is_panels = matches!(run.profile.projection, Some(ProjectionSpec::Panels(_)));
         match framed.directions() {
             Some(directions) if pose.is_none() && !is_panels => Ok(Self::Inverse(directions)),
-            _ => {
-                let errors = pose.map_or(&[][..], |pose| &pose.errors);
-                Ok(Self::Traced(Box::new(engine(run, design)?.0), errors, pose.is_some()))
-            }
+            _ => Ok(Self::Traced(Box::new(MadeSystem::new(engine(run, design)?.0, pose)))),
         }
     }
 
@@ -168,12 +163,7 @@ impl<'a> MapWay<'a> {
     ) -> Result<RemapTable, UnwrapError> {
         match self {
             Self::Inverse(directions) => RemapTable::new(optics, *directions, photo),
-            Self::Traced(engine, errors, is_mounted) => {
-                let made = engine.make(errors, RandomStream { seed: 0, trial: 0 });
-                let (camera, is_mounted) = (optics.camera, *is_mounted);
-                let sight = MountedSystem { engine, camera, made: &made, is_mounted };
-                framed.mounted(optics, &sight, photo)
-            }
+            Self::Traced(made) => framed.mounted(optics, &made.before(optics.camera), photo),
         }
     }
 }

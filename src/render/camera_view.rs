@@ -3,6 +3,8 @@
 
 use super::picture::StripPainter;
 use super::samples::{EdgePixels, LineByLine, OneByOne, SampleGrid, SampleSight, Sight};
+#[cfg(feature = "studio")]
+use super::smooth_sight::SmoothCentres;
 use super::smooth_sight::SmoothSight;
 use super::{Picture, PictureRay, World};
 use crate::design::Design;
@@ -77,8 +79,8 @@ pub(crate) struct CameraPicture<'a> {
     camera: Camera,
     samples_per_side: u32,
     turned: bool,
-    /// The rays that the designed mirror reflects at the pixels' centres, row by row; none where they are not known.
-    centres: &'a [Option<Ray>],
+    /// The rays that the designed mirror reflects at the pixels' centres, row by row, where they are known.
+    centres: Option<&'a [Option<Ray>]>,
     /// What hides the designed mirror and what it shows; a mesh has its own.
     obstacles: Option<Obstacles>,
 }
@@ -97,20 +99,21 @@ impl<'a> CameraPicture<'a> {
             CameraView::Smooth(_) => Obstacles::new(&design.obstacles, design.view.as_ref()),
             CameraView::Mesh(_) | CameraView::Shut => None,
         };
-        let (turned, centres) = (false, [].as_slice());
+        let (turned, centres) = (false, None);
         Self { design, view, distance, camera, samples_per_side, turned, centres, obstacles }
     }
 
     /// The same of a camera with fewer pixels, if it has more than `columns` of them in a row.
     pub(crate) fn at_most(mut self, columns: u32) -> Self {
         self.camera = self.camera.at_most(columns);
+        self.centres = None;
         self
     }
 
-    /// The same where the rays are known that the designed mirror reflects at the centres of the pixels, row by row.
+    /// The same of the camera whose rays are known.
     #[cfg(feature = "studio")]
-    pub(crate) fn with_centres(self, centres: &'a [Option<Ray>]) -> Self {
-        Self { centres, ..self }
+    pub(crate) fn of_centres(self, centres: &'a SmoothCentres) -> Self {
+        Self { camera: centres.camera, centres: Some(&centres.rays), ..self }
     }
 
     /// The same of a camera that is held upside down.
@@ -266,13 +269,12 @@ impl<'a> CameraPicture<'a> {
         let width = self.camera.pixels[0] as usize;
         let columns: Vec<f64> = (0..width).map(|x| x as f64 + 0.5).collect();
         let first = rows.start;
-        let is_known = self.centres.len() == width * self.camera.pixels[1] as usize;
-        let row = |row: usize| match is_known {
-            true => {
+        let row = |row: usize| match self.centres {
+            Some(rays) => {
                 let points = self.points(&columns, row as f64 + 0.5);
-                self.painted(&points, &self.centres[row * width..(row + 1) * width])
+                self.painted(&points, &rays[row * width..(row + 1) * width])
             }
-            false => self.on_mirror(sight, &columns, row as f64 + 0.5),
+            None => self.on_mirror(sight, &columns, row as f64 + 0.5),
         };
         parallel::gather(rows.len(), 1, |rows| rows.flat_map(|y| row(first + y)).collect())
     }

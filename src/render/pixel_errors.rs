@@ -1,5 +1,7 @@
 //! Pixel errors over the frame: how far what each pixel shows is from where the projection wants it.
 
+#[cfg(feature = "studio")]
+use super::smooth_sight::SmoothCentres;
 use super::smooth_sight::SmoothSight;
 use crate::design::Design;
 use crate::geom::{DVec2, Ray};
@@ -22,20 +24,16 @@ pub fn pixel_errors(design: &Design, thinned: ThinnedFrame) -> Vec<Option<f64>> 
         let line = |k: usize| {
             let images = line_of(camera, &columns, rows[k]);
             let rays = sight.reflected(&images);
-            errors_along(view, design.camera.pixel_mm, (&images, &turns), &rays)
+            errors_along(view, camera.pixel_mm, (&images, &turns), &rays)
         };
         lines.flat_map(line).collect()
     })
 }
 
-/// The same at the centres of the pixels of `camera`, which has the design's frame in other pixels, where the smooth mirror reflects these
-/// rays; in pixels of the design.
+/// The same where the rays are known that the smooth mirror reflects at the centres of a camera's pixels; in pixels of the design.
 #[cfg(feature = "studio")]
-pub(crate) fn pixel_errors_of(
-    design: &Design,
-    camera: &Camera,
-    rays: &[Option<Ray>],
-) -> Vec<Option<f64>> {
+pub(crate) fn pixel_errors_of(design: &Design, centres: &SmoothCentres) -> Vec<Option<f64>> {
+    let SmoothCentres { camera, rays } = centres;
     let Some(view) = &design.view else { return vec![None; rays.len()] };
     let columns: Vec<usize> = (0..camera.pixels[0] as usize).collect();
     let turns = turns(view, camera, &columns);
@@ -91,15 +89,15 @@ mod tests {
             let profile = Profile::parse(name, name, shipped.text.as_bytes()).unwrap();
             let design = crate::design::design_unmeasured(&profile).unwrap();
             let sight = SmoothSight::new(&design);
-            let whole = sight.of_centres(&design.camera);
+            let whole = sight.centres(design.camera);
             let errors = pixel_errors(&design, ThinnedFrame::new(design.camera.pixels));
-            assert_eq!(pixel_errors_of(&design, &design.camera, &whole), errors, "{name}");
+            assert_eq!(pixel_errors_of(&design, &whole), errors, "{name}");
             let picture = || {
                 let view = CameraView::Smooth(&sight);
                 CameraPicture::new(&design, view, Distance::Target, 2).at_most(160)
             };
-            let known = sight.of_centres(&design.camera.at_most(160));
-            let with_known = picture().with_centres(&known).picture(&TestWorld::new());
+            let known = sight.centres(design.camera.at_most(160));
+            let with_known = picture().of_centres(&known).picture(&TestWorld::new());
             assert!(with_known == picture().picture(&TestWorld::new()), "{name}");
         }
     }

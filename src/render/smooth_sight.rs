@@ -9,6 +9,15 @@ use crate::optics::{ChartedFrame, reflect};
 #[cfg(feature = "studio")]
 use crate::parallel;
 
+/// The rays that the designed mirror reflects at the centres of a camera's pixels.
+#[cfg(feature = "studio")]
+pub(crate) struct SmoothCentres {
+    /// The camera.
+    pub camera: Camera,
+    /// A ray a pixel, row by row: none off the mirror.
+    pub rays: Vec<Option<Ray>>,
+}
+
 /// The designed mirror, for many rays of its camera: as if no part of it were in another's way.
 pub(crate) struct SmoothSight<'a> {
     design: &'a Design,
@@ -28,17 +37,18 @@ impl<'a> SmoothSight<'a> {
         leaving(self.design, &on_chart)
     }
 
-    /// The same at the centres of the pixels of `camera`, which has the design's frame in other pixels, row by row.
+    /// The same at the centres of the pixels of `camera`, which has the design's frame in other pixels.
     #[cfg(feature = "studio")]
-    pub(crate) fn of_centres(&self, camera: &Camera) -> Vec<Option<Ray>> {
+    pub(crate) fn centres(&self, camera: Camera) -> SmoothCentres {
         let [columns, rows] = camera.pixels;
-        parallel::gather(rows as usize, 1, |rows| {
+        let rays = parallel::gather(rows as usize, 1, |rows| {
             let row = |row: usize| {
                 let point = |x: u32| camera.image_point(f64::from(x) + 0.5, row as f64 + 0.5);
                 self.reflected(&(0..columns).map(point).collect::<Vec<_>>())
             };
             rows.flat_map(row).collect()
-        })
+        });
+        SmoothCentres { camera, rays }
     }
 }
 

@@ -79,14 +79,13 @@ pub(super) fn files_refused(key: &str) -> String {
 /// The small picture and the maps that follow a slider, and what is judged by them.
 pub(super) fn preview(design: &Design, is_sketch: bool) -> Result<Json, RequestFailure> {
     let detail = if is_sketch { Detail::SKETCH } else { Detail::DESIGN };
-    let camera = design.camera.at_most(PREVIEW_COLUMNS);
     let sight = SmoothSight::new(design);
-    let centres = sight.of_centres(&camera);
+    let centres = sight.centres(design.camera.at_most(PREVIEW_COLUMNS));
+    let pixels = centres.camera.pixels;
     let picture = || {
         let view = CameraView::Smooth(&sight);
         CameraPicture::new(design, view, Distance::Target, detail.samples)
-            .at_most(PREVIEW_COLUMNS)
-            .with_centres(&centres)
+            .of_centres(&centres)
             .picture(&TestWorld::new())
             .to_png()
     };
@@ -95,12 +94,12 @@ pub(super) fn preview(design: &Design, is_sketch: bool) -> Result<Json, RequestF
         let sharp = spots.sharpness(&design.profile, design);
         let sizes = sharp.as_ref().and_then(|facts| spots.sizes(design, facts));
         let spots = sizes.as_ref().map(drawn_spots);
-        let mut errors = pixel_errors_of(design, &camera, &centres);
-        leave_out_shadows(design, (&mut errors, camera.pixels), detail.shadow_px);
-        Seen { pixels: camera.pixels, errors, summary: None, spots, sharp }.told(design)
+        let mut errors = pixel_errors_of(design, &centres);
+        leave_out_shadows(design, (&mut errors, pixels), detail.shadow_px);
+        Seen { pixels, errors, summary: None, spots, sharp }.told(design)
     });
     seen["picture"] = BASE64_STANDARD.encode(png?).into();
-    seen["pixels"] = json!(camera.pixels);
+    seen["pixels"] = json!(pixels);
     Ok(seen)
 }
 

@@ -6,7 +6,6 @@ use super::linear_model::LinearModel;
 use super::model::{OpticalSystem, TextureSite};
 use super::perturbed_system::PerturbedSystem;
 use super::texture::{facets_displace, terraced};
-use crate::num::random::RandomStream;
 use crate::tolerance_terms::{ActsOn, Perturbation, Texture};
 
 impl Engine {
@@ -53,8 +52,7 @@ impl Engine {
         let fixed = sources.iter().filter(|source| source.is_systematic());
         let values: Vec<(Perturbation, f64)> =
             fixed.map(|source| (source.kind, source.limit)).collect();
-        // Nothing in it is drawn.
-        let made = self.make(&values, RandomStream { seed: 0, trial: 0 });
+        let made = self.with_errors(&values);
         let mut field = self.linear_displacement(&made);
         self.compensation.apply(&mut field);
         field

@@ -21,6 +21,11 @@ impl Engine {
         made
     }
 
+    /// The same where nothing is drawn: the system that has these errors alone.
+    pub fn with_errors(&self, values: &[(Perturbation, f64)]) -> PerturbedSystem {
+        self.make(values, RandomStream { seed: 0, trial: 0 })
+    }
+
     /// Adds an error of `value`, in its source's unit, to a system.
     fn perturb(&self, made: &mut PerturbedSystem, kind: Perturbation, value: f64) {
         let PerturbedSystem { state, facets_px, stream } = made;
