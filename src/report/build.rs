@@ -7,7 +7,7 @@ use super::page::{Page, map_figure, page_of};
 use super::sharpness::PlainSharpness;
 use crate::profile::{AcceptanceLimits, Profile};
 use crate::raster::{EncodingError, FalseColourMap};
-use crate::results::{BuildReport, TraceFacts, VerifyReport, percent, three_digits};
+use crate::results::{BuildReport, TraceFacts, VerifyReport, error_px, percent};
 use crate::trace::FrameFill;
 
 impl Answer for BuildReport {
@@ -81,7 +81,7 @@ impl BuildReport {
         let (Some(found), Some(allowed), Some(frame)) = (worst, &self.accepted, &self.frame) else {
             return "Without a projection nothing is said of what the picture shows.".into();
         };
-        let [rms, max] = [found.rms, found.max].map(three_digits);
+        let [rms, max] = [found.rms, found.max].map(error_px);
         format!(
             "The picture is off by {rms} px RMS (allowed {}) and by {max} px at most (allowed {}); {} % of the frame \
              is filled (asked {} %).",

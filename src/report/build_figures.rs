@@ -6,7 +6,7 @@ use crate::design::LeastError;
 use crate::profile::CadFormat;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::render::{PartSection, SideView};
-use crate::results::{SharpnessFacts, TraceFacts, three_digits};
+use crate::results::{SharpnessFacts, TraceFacts, error_px, three_digits};
 
 /// What a page shows of a part.
 #[derive(Default)]
@@ -91,10 +91,10 @@ fn preview(png: &[u8], has_mesh: bool) -> Figure {
 pub(super) fn about_errors(traces: &[TraceFacts]) -> String {
     let found = traces.first().and_then(|trace| trace.errors.pixel_error_px);
     found.map_or("No pixel shows what it should.".into(), |found| {
-        let [rms, p95, max] = [found.rms, found.p95, found.max].map(three_digits);
+        let [rms, p95, max] = [found.rms, found.p95, found.max].map(error_px);
         format!(
-            "By how much each pixel of the frame shows something else than it should. RMS {rms} px; 95 % of the \
-             pixels are off by at most {p95} px, none by more than {max} px."
+            "By how much each pixel of the frame shows something else than it should: RMS {rms} px, 95th percentile {p95} \
+             px, largest {max} px."
         )
     })
 }

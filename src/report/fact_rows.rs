@@ -7,7 +7,7 @@ use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
 use crate::results::{
     ErrorFacts, Limited, MeshFacts, PmiFacts, SagFacts, SolidFacts, StepFacts, TraceFacts, digits,
-    figures, of_at_most, percent, three_digits,
+    error_px, figures, of_at_most, percent, three_digits,
 };
 use crate::solid::OpenBoundary;
 use crate::trace::FrameFill;
@@ -89,18 +89,21 @@ impl ToRows for MapFacts {
 
 impl ToRows for Straightness {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let [px, percent] = [self.departure_px, self.departure_percent].map(three_digits);
-        let sentence =
-            format!("the design bends straight ones by {px} px at most, {percent} % of the width");
+        let (px, percent) = (error_px(self.departure_px), three_digits(self.departure_percent));
+        let share = match self.departure_px {
+            1e-3.. => format!(", {percent} % of the width"),
+            _ => String::new(),
+        };
+        let sentence = format!("the design bends straight ones by {px} px at most{share}");
         rows.named("lines", "straight lines", sentence);
     }
 }
 
 impl ToRows for DividingLineFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let px = three_digits(self.departure_px);
+        let px = error_px(self.departure_px);
         let sentence = format!(
-            "the lens bends those between panels to at most {px} px from the profile's edges"
+            "the lens bends those between panels by {px} px at most from the profile's edges"
         );
         rows.named("lines", "lines between panels", sentence);
     }
@@ -229,7 +232,7 @@ impl ToRows for PlainPicture<'_> {
                 let usual = if rms.usual && max.usual { " as usual" } else { "" };
                 format!("; allowed{usual} {} and {}", rms.value, max.value)
             });
-            let [rms, max] = [found.rms, found.max].map(three_digits);
+            let [rms, max] = [found.rms, found.max].map(error_px);
             rows.terminal("picture", format!("off by {rms} px RMS, {max} at most{allowed}"));
         }
         if let Some(frame) = self.frame {

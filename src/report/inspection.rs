@@ -2,7 +2,7 @@
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use crate::inspection::InspectionPlan;
-use crate::results::{InspectionReport, MeasuredForm, digits};
+use crate::results::{InspectionReport, MeasuredForm, digits, error_px};
 use std::fmt::Write;
 
 /// `inspection.csv`: a line a point, with its place, its normal and half the zone to either side, if there is one.
@@ -70,7 +70,7 @@ impl ToRows for MeasuredForm {
             .map_or(String::new(), |mm| format!(", centres of a ball of {} mm radius", digits(mm)));
         rows.add("points", format!("{} of {} on the mirror{probe}", self.used, self.points));
         if let Some(errors) = &self.pixel_error_px {
-            let [rms, max] = [errors.rms, errors.max].map(digits);
+            let [rms, max] = [errors.rms, errors.max].map(error_px);
             let sentence = format!("with this form off by {rms} px RMS, {max} at most");
             rows.named("picture", "picture with this form", sentence);
         }

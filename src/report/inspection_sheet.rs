@@ -1,7 +1,7 @@
 //! The inspection's sheet: a page to print and sign, on which every figure is one of `report.json`.
 
 use crate::geom::DVec2;
-use crate::results::{FileFacts, MeasuredForm, VerifyReport, coordinate, digits};
+use crate::results::{FileFacts, MeasuredForm, VerifyReport, coordinate, digits, error_px};
 use crate::sheet::{A4_MM, Pen, Sheet, SheetColour, TextAlign};
 use crate::tolerance_terms::ErrorSourceRow;
 
@@ -87,7 +87,7 @@ fn figures(sheet: &mut Sheet, report: &VerifyReport, form: &MeasuredForm, y: f64
             let [rms, max] = [limits.pixel_error_rms_px, limits.pixel_error_max_px];
             format!("; allowed {} and {}", rms.value, max.value)
         });
-        let [rms, max] = [errors.rms, errors.max].map(digits);
+        let [rms, max] = [errors.rms, errors.max].map(error_px);
         lines.push(format!("picture with this form off by {rms} px RMS, {max} at most{allowed}"));
     }
     if let Some(error) = &report.form_error_um {

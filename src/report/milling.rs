@@ -7,7 +7,8 @@ use super::milling_plots::{speeds_figure, times_figure};
 use super::page::{map_figure, page_of};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
-    AsCutFacts, LeftFacts, LengthFacts, OperationFacts, ProgramReport, figures, three_digits,
+    AsCutFacts, LeftFacts, LengthFacts, OperationFacts, ProgramReport, error_px, figures,
+    three_digits,
 };
 
 impl ProgramReport {
@@ -127,8 +128,8 @@ impl ProgramReport {
                 "picture",
                 format!(
                     "off by {} px RMS, {} px at most, as it comes off the machine{allowed}",
-                    three_digits(error.rms),
-                    three_digits(error.max)
+                    error_px(error.rms),
+                    error_px(error.max)
                 ),
             );
         }

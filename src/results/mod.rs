@@ -65,5 +65,6 @@ pub use unwrap::{
     FramesFacts, GroundFacts, PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport, ViewFacts,
 };
 pub(crate) use wording::{
-    coordinate, digits, displacement, figures, file_size, of_at_most, percent, three_digits,
+    coordinate, digits, displacement, error_px, figures, file_size, of_at_most, percent,
+    three_digits,
 };

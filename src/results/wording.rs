@@ -21,6 +21,13 @@ pub(crate) fn three_digits(x: f64) -> String {
     format!("{x:.decimals$}")
 }
 
+/// A pixel error that is not negative, px. Below a thousandth of a pixel it is told as that much: less than that changes no
+/// grey value of a camera of eight bits by more than a quarter of a step.
+#[must_use]
+pub(crate) fn error_px(px: f64) -> String {
+    if px < 1e-3 { "less than 0.001".into() } else { three_digits(px) }
+}
+
 /// RMS, P95 and maximum.
 #[must_use]
 pub(crate) fn figures(summary: Option<Summary>) -> String {
@@ -79,6 +86,13 @@ mod tests {
             found,
             ["0.832", "15.1", "3.30", "120", "0.00299", "0.500", "0.0129", "0.00129"]
         );
+    }
+
+    #[test]
+    fn pixel_errors_that_nobody_sees_are_told_as_such() {
+        let found = [9.48e-9, 0.0, 9.99e-4, 1e-3, 1.627].map(error_px);
+        let none = "less than 0.001";
+        assert_eq!(found, [none, none, none, "0.00100", "1.63"]);
     }
 
     #[test]

@@ -7,8 +7,6 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 /// A change of a text.
 #[derive(Debug, Deserialize)]
 pub(super) struct TextEdit {
-    /// The text.
-    pub text: String,
     /// Keys from the outermost table to the value, or to the table of which another one is taken.
     pub path: Vec<String>,
     /// Entry of a list.
@@ -37,14 +35,14 @@ pub(super) enum Change {
 }
 
 impl TextEdit {
-    /// The changed text.
+    /// The changed `text`.
     ///
     /// # Errors
     /// A sentence where the text is no TOML, or the path leads through something that is no table.
-    pub(super) fn made(&self) -> Result<String, String> {
-        crate::profile::text_of_profile("the text", self.text.as_bytes())
+    pub(super) fn made(&self, text: &str) -> Result<String, String> {
+        crate::profile::text_of_profile("the text", text.as_bytes())
             .map_err(|complaints| complaints.to_string())?;
-        let document = self.text.parse::<DocumentMut>();
+        let document = text.parse::<DocumentMut>();
         let mut document = document.map_err(|error| format!("the text must be TOML: {error}"))?;
         let Some((last, tables)) = self.path.split_last() else {
             return Err("the path must name a key".into());
@@ -176,9 +174,7 @@ mod tests {
     use serde_json::json;
 
     fn edited(text: &str, edit: Json) -> Result<String, String> {
-        let mut edit = edit;
-        edit["text"] = text.into();
-        serde_json::from_value::<TextEdit>(edit).unwrap().made()
+        serde_json::from_value::<TextEdit>(edit).unwrap().made(text)
     }
 
     const TEXT: &str = "# kept\n[part] # beside\nwidth_mm = 60 # wide\nbase_mm = 5.5\nmine = 1\n\

@@ -8,6 +8,9 @@ use std::error::Error;
 /// Status of an answer that says what is wrong with the text.
 const UNPROCESSABLE: u16 = 422;
 
+/// Status of an answer in whose place a newer one comes.
+const CONFLICT: u16 = 409;
+
 /// A request that could not be answered.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RequestFailure {
@@ -26,6 +29,16 @@ impl RequestFailure {
     /// A failure because of what is in the text, or in the request.
     pub(super) fn of_text(sentence: impl Into<String>) -> Self {
         Self::said(UNPROCESSABLE, sentence)
+    }
+
+    /// A failure because a newer request takes the place of this one.
+    pub(super) fn superseded() -> Self {
+        Self::said(CONFLICT, "a newer request took the place of this one")
+    }
+
+    /// Whether a newer request takes the place of this one.
+    pub(super) fn is_superseded(&self) -> bool {
+        self.status == CONFLICT
     }
 
     /// `{"error": ...}` with the first error, and all of them.

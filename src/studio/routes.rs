@@ -1,9 +1,9 @@
 //! Requests and their answers.
 
 use super::designs::{LastDesigns, sketch};
-use super::edit::TextEdit;
 use super::failure::RequestFailure;
 use super::message::{Asked, Content};
+use super::source::Source;
 use super::work_queue::{Subject, WorkQueue};
 use super::{build::Build, form, page, view};
 use crate::design::Design;
@@ -14,9 +14,6 @@ use serde_json::{Value as Json, json};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use tempfile::NamedTempFile;
-
-/// Letters of a profile's name.
-const MOST_LETTERS: usize = 64;
 
 /// Where the studio stands: the profile that it was opened with, its folder, and the work under way.
 #[derive(Debug)]
@@ -52,13 +49,6 @@ pub(super) struct Subjects {
     pixel: Arc<Subject>,
 }
 
-/// A text and the name of its profile.
-#[derive(Debug, Deserialize)]
-struct Source {
-    name: String,
-    text: String,
-}
-
 /// How near to the profile's design what is asked for has to be.
 #[derive(Debug, Clone, Copy, Deserialize)]
 struct Fidelity {
@@ -71,23 +61,6 @@ struct Fidelity {
 struct Pixel {
     x: u32,
     y: u32,
-}
-
-impl Source {
-    fn profile(&self) -> Result<Profile, RequestFailure> {
-        if !is_name(&self.name) {
-            return Err(RequestFailure::of_text(
-                "the name must be of at most 64 letters a to z, digits, - and _",
-            ));
-        }
-        view::checked(&self.name, &self.text)
-    }
-}
-
-/// Whether a profile may have this name, which is that of a file and a folder too.
-pub(super) fn is_name(name: &str) -> bool {
-    let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    (1..=MOST_LETTERS).contains(&name.len()) && name.chars().all(is_letter)
 }
 
 impl Studio {
@@ -104,32 +77,25 @@ impl Studio {
             }
             ("POST", "/start") => Ok(Content::Json(self.start())),
             ("POST", "/open") => open(read::<Named>(asked)?),
-            ("POST", "/check") => Ok(Content::Json(check(&read(asked)?))),
-            ("POST", "/edit") => {
-                let text = read::<TextEdit>(asked)?.made().map_err(RequestFailure::of_text)?;
-                Ok(Content::Json(json!({ "text": text })))
+            ("POST", "/follow") => self.follow(read(asked)?),
+            ("POST", "/part") => json(self.of_asked(&self.beside, part, asked, view::part)),
+            ("POST", "/still") => {
+                self.of_asked(&self.slow, still, asked, view::part_still).map(Content::Png)
             }
-            ("POST", "/preview") => {
-                self.of_design(&self.quick, preview, asked, |design, fidelity| {
-                    json(view::preview(design, fidelity.sketch))
-                })
-            }
-            ("POST", "/part") => {
-                self.of_design(&self.beside, part, asked, |design, _| json(view::part(design)))
-            }
-            ("POST", "/still") => self.of_design(&self.slow, still, asked, |design, _| {
-                view::part_still(design).map(Content::Png)
-            }),
             ("POST", "/estimate") => {
-                newest(&self.slow, estimate, asked, |profile| json(view::estimate(profile)))
+                let profile = read::<Source>(asked)?.profile()?;
+                json(newest(&self.slow, estimate, move || view::estimate(&profile)))
             }
-            ("POST", "/picture") => newest(&self.slow, picture, asked, |profile| {
-                view::picture(profile).map(Content::Png)
-            }),
+            ("POST", "/picture") => {
+                let profile = read::<Source>(asked)?.profile()?;
+                let wanted = preview.newest();
+                let see = move || view::picture(&profile, &wanted);
+                newest(&self.slow, picture, see).map(Content::Png)
+            }
             ("POST", "/pixel") => {
                 let Pixel { x, y } = read(asked)?;
-                let see = move |design: &Design, _| json(view::pixel(design, [x, y]));
-                self.of_design(&self.quick, pixel, asked, see)
+                let see = move |design: &Design| view::pixel(design, [x, y]);
+                json(self.of_asked(&self.quick, pixel, asked, see))
             }
             ("POST", "/build") => self.build(&read(asked)?),
             ("POST", "/cancel") => Ok(Content::Json(self.cancelled())),
@@ -139,22 +105,46 @@ impl Studio {
         }
     }
 
-    /// What `see` makes of the design of a request's text, on a queue; of a sketch of it, if the request says so and it has one.
-    fn of_design(
+    /// The small picture and the maps that follow a change of a profile, or of a sketch of it.
+    ///
+    /// # Errors
+    /// [`RequestFailure`] with what is wrong.
+    pub(super) fn previewed(
+        &self,
+        profile: Profile,
+        is_sketch: bool,
+    ) -> Result<Json, RequestFailure> {
+        let see = move |design: &Design| view::preview(design, is_sketch);
+        self.of_design(&self.quick, &self.subjects.preview, (profile, is_sketch), see)
+    }
+
+    /// What `see` makes of the design of a request's text, or of a sketch of it, on a queue.
+    fn of_asked<T: Send + 'static>(
         &self,
         queue: &WorkQueue,
         subject: &Arc<Subject>,
         asked: &Asked,
-        see: impl FnOnce(&Design, Fidelity) -> Result<Content, RequestFailure> + Send + 'static,
-    ) -> Result<Content, RequestFailure> {
+        see: impl FnOnce(&Design) -> Result<T, RequestFailure> + Send + 'static,
+    ) -> Result<T, RequestFailure> {
+        let Fidelity { sketch } = read(asked)?;
+        self.of_design(queue, subject, (read::<Source>(asked)?.profile()?, sketch), see)
+    }
+
+    /// What `see` makes of a profile's design, on a queue; of a sketch of it, if that is asked for and it has one.
+    fn of_design<T: Send + 'static>(
+        &self,
+        queue: &WorkQueue,
+        subject: &Arc<Subject>,
+        (profile, is_sketch): (Profile, bool),
+        see: impl FnOnce(&Design) -> Result<T, RequestFailure> + Send + 'static,
+    ) -> Result<T, RequestFailure> {
         let designs = Arc::clone(&self.designs);
-        let fidelity: Fidelity = read(asked)?;
-        newest(queue, subject, asked, move |profile| {
+        newest(queue, subject, move || {
             // (A sketch may have no answer where the mirror has one.)
-            let sketched = fidelity.sketch.then(|| sketch(profile)).flatten();
+            let sketched = is_sketch.then(|| sketch(&profile)).flatten();
             match sketched.and_then(|profile| designs.of(&profile).ok()) {
-                Some(design) => see(&design, fidelity),
-                None => see(&*designs.of(profile)?, fidelity),
+                Some(design) => see(&design),
+                None => see(&*designs.of(&profile)?),
             }
         })
     }
@@ -218,13 +208,6 @@ fn open(Named { name }: Named) -> Result<Content, RequestFailure> {
     Ok(Content::Json(json!({ "name": name, "text": known.ok_or_else(missing)?.text })))
 }
 
-/// Every complaint about a text, as `morion check --format json` tells them, the key of each, and all values.
-fn check(source: &Source) -> Json {
-    let errors = source.profile().err().map_or(Vec::new(), |failure| failure.errors);
-    let keys: Vec<_> = errors.iter().map(|error| form::key_of(&error.message)).collect();
-    json!({ "errors": errors, "keys": keys, "values": form::values(&source.text) })
-}
-
 fn read<T: DeserializeOwned>(asked: &Asked) -> Result<T, RequestFailure> {
     let wrong = |error| {
         RequestFailure::said(400, format!("the body must be JSON of this request: {error}"))
@@ -232,16 +215,13 @@ fn read<T: DeserializeOwned>(asked: &Asked) -> Result<T, RequestFailure> {
     serde_json::from_slice(asked.body).map_err(wrong)
 }
 
-/// What `see` makes of the profile of a request's text, on a queue.
-fn newest(
+/// What `see` makes on a queue, unless a newer request on the subject comes before its turn.
+fn newest<T: Send + 'static>(
     queue: &WorkQueue,
     subject: &Arc<Subject>,
-    asked: &Asked,
-    see: impl FnOnce(&Profile) -> Result<Content, RequestFailure> + Send + 'static,
-) -> Result<Content, RequestFailure> {
-    let profile = read::<Source>(asked)?.profile()?;
-    let superseded = || RequestFailure::said(409, "a newer request took the place of this one");
-    queue.newest(subject, move || see(&profile)).ok_or_else(superseded)?
+    see: impl FnOnce() -> Result<T, RequestFailure> + Send + 'static,
+) -> Result<T, RequestFailure> {
+    queue.newest(subject, see).ok_or_else(RequestFailure::superseded)?
 }
 
 fn json(answer: Result<Json, RequestFailure>) -> Result<Content, RequestFailure> {
@@ -250,26 +230,4 @@ fn json(answer: Result<Json, RequestFailure>) -> Result<Content, RequestFailure>
 
 fn nothing_there() -> RequestFailure {
     RequestFailure::said(404, "there is nothing at this address")
-}
-
-/// A name for a profile of the file `name`, with hyphens in the place of letters that it may not have.
-pub(super) fn tamed(name: &str) -> String {
-    let tame = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
-    let tamed: String = name.chars().map(tame).take(MOST_LETTERS).collect();
-    if tamed.is_empty() { "mirror".to_owned() } else { tamed }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_of_plain_letters() {
-        assert!(is_name("conquistador") && is_name("a_1-B"));
-        let long = "a".repeat(65);
-        for name in ["", ".", "..", "a/b", "a\\b", "a.b", "ä", "a b", "\u{202e}", &*long] {
-            assert!(!is_name(name), "{name}");
-            assert!(is_name(&tamed(name)), "{name}");
-        }
-    }
 }

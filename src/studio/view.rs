@@ -2,6 +2,7 @@
 //! slider, and with the part's shadows what comes after it.
 
 use super::failure::RequestFailure;
+use super::work_queue::NewestRequest;
 use crate::design::Design;
 use crate::geom::DVec3;
 use crate::num::stats::Summary;
@@ -9,7 +10,7 @@ use crate::num::{asin, atan2, degrees};
 use crate::optics::ThinnedFrame;
 use crate::parallel;
 use crate::pipeline::{
-    Command, RenderOptions, Silent, SourceError, coarse_part, designed, drawn_spots, glb,
+    Command, Observer, RenderOptions, SourceError, coarse_part, designed, drawn_spots, glb,
     mesh_label, shadowed, sharpness_map, still,
 };
 use crate::profile::{Profile, ShapeSpec};
@@ -20,7 +21,7 @@ use crate::render::{
     reflected,
 };
 use crate::report::{AnswerRows, MapLetter, PlainSharpness, map_letters, pixel_error_map};
-use crate::results::{SharpnessFacts, three_digits};
+use crate::results::{SharpnessFacts, error_px};
 use crate::verdict::sharpness::{SampledSpots, reason, sharpness};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -131,10 +132,24 @@ fn leave_out_shadows(design: &Design, (errors, pixels): (&mut [Option<f64>], [u3
     }
 }
 
-/// The picture as `morion render --scene grid` writes it, of the mesh with its shadows, PNG.
-pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, RequestFailure> {
+/// Ends work once a change of the profile comes: a picture follows that first.
+impl Observer for NewestRequest {
+    fn is_stopped(&self) -> bool {
+        self.is_superseded()
+    }
+}
+
+/// The picture as `morion render --scene grid` writes it, of the mesh with its shadows, PNG, as long as the profile is `wanted`.
+pub(super) fn picture(
+    profile: &Profile,
+    wanted: &NewestRequest,
+) -> Result<Vec<u8>, RequestFailure> {
     let options = RenderOptions { scene: "grid", ..RenderOptions::default() };
-    let (_, files) = options.in_memory(profile, &Silent)?;
+    let made = options.in_memory(profile, wanted);
+    if wanted.is_superseded() {
+        return Err(RequestFailure::superseded());
+    }
+    let (_, files) = made?;
     let file = files.into_iter().next();
     Ok(file.ok_or_else(|| RequestFailure::said(500, "there is no picture"))?.bytes)
 }
@@ -225,7 +240,7 @@ fn judged(
     let has_target = design.view.is_some();
     if has_target {
         let found = summary.map_or("no pixel shows the target".into(), |found| {
-            let [rms, max] = [found.rms, found.max].map(three_digits);
+            let [rms, max] = [found.rms, found.max].map(error_px);
             format!("off by {rms} px RMS, {max} px at most")
         });
         facts.add("picture", format!("{found}; allowed {rms} and {max}"));
@@ -299,4 +314,26 @@ pub(super) fn pixel(design: &Design, [x, y]: [u32; 2]) -> Result<Json, RequestFa
 fn angles(direction: DVec3) -> [f64; 2] {
     let elevation = asin(direction.z.clamp(-1.0, 1.0));
     [atan2(direction.x, direction.y), elevation].map(degrees)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::shipped;
+    use crate::studio::work_queue::{Subject, WorkQueue};
+    use std::sync::Arc;
+
+    #[test]
+    fn a_picture_that_is_no_longer_wanted_is_not_made() {
+        let known = shipped().iter().find(|shipped| shipped.name == "parabolic").unwrap();
+        let profile = checked(known.name, known.text).unwrap();
+        let subject = Arc::<Subject>::default();
+        let wanted = subject.newest();
+        assert!(picture(&profile, &wanted).is_ok());
+        let (queue, jobs) = WorkQueue::new();
+        drop(jobs);
+        assert!(queue.newest(&subject, || ()).is_none());
+        assert!(picture(&profile, &wanted).unwrap_err().is_superseded());
+        assert!(!subject.newest().is_superseded());
+    }
 }

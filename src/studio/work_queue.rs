@@ -12,6 +12,27 @@ pub(super) type Job = Box<dyn FnOnce() + Send>;
 #[derive(Debug, Default)]
 pub(super) struct Subject(AtomicU64);
 
+/// A request that was the newest of its subject.
+#[derive(Debug)]
+pub(super) struct NewestRequest {
+    subject: Arc<Subject>,
+    number: u64,
+}
+
+impl Subject {
+    /// The newest request so far.
+    pub(super) fn newest(self: &Arc<Self>) -> NewestRequest {
+        NewestRequest { subject: Arc::clone(self), number: self.0.load(Ordering::SeqCst) }
+    }
+}
+
+impl NewestRequest {
+    /// Whether a newer one has come.
+    pub(super) fn is_superseded(&self) -> bool {
+        self.subject.0.load(Ordering::SeqCst) != self.number
+    }
+}
+
 /// Requests that wait for the thread that does the work.
 #[derive(Debug)]
 pub(super) struct WorkQueue(Sender<Job>);

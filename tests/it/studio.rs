@@ -191,15 +191,15 @@ fn nothing_outside_its_builds_is_reachable() {
     }
     let names_a_file =
         SMALL.replace("[accept]", "[tolerance]\nmap_file = \"small.toml\"\n[accept]");
-    for path in ["/preview", "/build", "/picture"] {
+    for (path, status) in [("/follow", 200), ("/build", 422), ("/picture", 422)] {
         let answer = studio.post(path, &small(&names_a_file));
-        assert_eq!(answer.status, 422);
+        assert_eq!(answer.status, status);
         let said = answer.json()["error"]["message"].to_string();
         assert!(said.contains("tolerance.map_file"), "{said}");
     }
     let long = vec![b' '; 1_000_001];
-    assert_eq!(studio.ask("POST", "/check", &long, &[]).status, 413);
-    assert_eq!(studio.ask("POST", "/check", b"{", &[]).status, 400);
+    assert_eq!(studio.ask("POST", "/follow", &long, &[]).status, 413);
+    assert_eq!(studio.ask("POST", "/follow", b"{", &[]).status, 400);
     assert!(!folder.path().join("out").exists(), "nothing was written");
 }
 
@@ -212,7 +212,7 @@ fn a_sketch_is_the_mirror_by_least_squares() {
     let of_degree = |words: &str| edited(SMALL, &[("degree = 8", words)]);
     let seen = |text: &str, sketch: bool| {
         let asked = json!({ "name": "small", "text": text, "sketch": sketch });
-        studio.post("/preview", &asked).json()
+        studio.post("/follow", &asked).json()["seen"].take()
     };
     let fine = of_degree("degree = 14\nminimax = true");
     let sketch = seen(&fine, true);
@@ -253,8 +253,9 @@ fn pixels_that_see_the_part_itself_are_lost() {
     let of = |keys: &[&str]| keys.iter().map(|key| lost[*key].as_f64().unwrap()).sum::<f64>();
     let (shadow, unseen) = (of(&["shadow"]), of(&["beyond", "missed"]));
     assert!(shadow > 100.0, "{lost}");
-    for path in ["/preview", "/estimate"] {
-        let seen = studio.post(path, &small(&valley)).json();
+    for path in ["/follow", "/estimate"] {
+        let mut answer = studio.post(path, &small(&valley)).json();
+        let seen = if path == "/follow" { answer["seen"].take() } else { answer };
         let told = seen["judged"]["pixels_lost"].as_f64().unwrap();
         // Both meshes are coarse, and differ at the shadow's edge.
         assert!((told - unseen - shadow).abs() < 0.15 * shadow, "{path}: {told} and {lost}");
@@ -266,10 +267,17 @@ fn a_change_keeps_the_rest_of_the_text_and_faults_are_those_of_check() {
     let folder = folder();
     let studio = Studio::open(folder.path(), SMALL);
     let text = SMALL.replace("width_mm = 15", "width_mm = 15 # as wide\nmine = 3 # my own");
-    let edit = json!({ "text": text, "path": ["part", "width_mm"], "value": 16.5 });
-    let edited = studio.post("/edit", &edit).json();
-    assert_eq!(edited["text"], text.replace("= 15 #", "= 16.5 #"));
-    let found = studio.post("/check", &small(&text)).json();
+    let edits = json!([
+        { "path": ["part", "width_mm"], "value": 16.5 },
+        { "path": ["part", "base_mm"], "value": 6 },
+    ]);
+    let edit = json!({ "name": "small", "text": text, "edits": edits });
+    let edited = studio.post("/follow", &edit).json();
+    let wanted = text.replace("= 15 #", "= 16.5 #").replace("base_mm = 2", "base_mm = 6");
+    assert_eq!(edited["text"], wanted);
+    assert_eq!(edited["values"]["part.width_mm"]["value"], 16.5);
+    let found = studio.post("/follow", &small(&text)).json();
+    assert_eq!((&found["text"], &found["seen"]), (&json!(text), &Value::Null));
     save(folder.path(), &text);
     let checked = morion(folder.path(), &["check", "small.toml", "--format", "json"]);
     let lines: Vec<Value> = told(&checked)
@@ -284,8 +292,8 @@ fn a_change_keeps_the_rest_of_the_text_and_faults_are_those_of_check() {
     let near = "[camera.pinhole]\ndistance_mm = 2\nhfov_deg = 170";
     let steep =
         SMALL.replace("[camera.orthographic]", near).replace("width_mm = 15", "width_mm = 60");
-    let refused = studio.post("/preview", &small(&steep));
-    assert_eq!(refused.status, 422, "{}", refused.text());
+    let refused = studio.post("/follow", &small(&steep));
+    assert_eq!(refused.status, 200, "{}", refused.text());
     let arguments = ["render", "small.toml", "--scene", "grid", "--smooth", "--format", "json"];
     save(folder.path(), &steep);
     let told = told(&morion(folder.path(), &arguments)).1;
@@ -310,10 +318,14 @@ fn hostile_text_stays_text() {
     assert!(start.head.to_lowercase().contains("nosniff"));
     assert_eq!(start.json()["text"], text);
     for text in ["a = [[[[", "\u{0}", "\u{202e}", "a = '''", "[a.b.c.d.e.f.g.h.i.j.k.l]", ""] {
-        assert_eq!(studio.post("/check", &small(text)).status, 200, "{text:?}");
-        assert_eq!(studio.post("/preview", &small(text)).status, 422, "{text:?}");
-        let edit = json!({ "text": text, "path": ["part", "width_mm"], "value": 1 });
-        assert!([200, 422].contains(&studio.post("/edit", &edit).status), "{text:?}");
+        let answer = studio.post("/follow", &small(text));
+        assert_eq!(answer.status, 200, "{text:?}");
+        let answer = answer.json();
+        assert!(answer["seen"].is_null() && answer["error"]["message"].is_string(), "{text:?}");
+        assert_eq!(answer["error"], answer["errors"][0], "{text:?}");
+        let edits = json!([{ "path": ["part", "width_mm"], "value": 1 }]);
+        let edit = json!({ "name": "small", "text": text, "edits": edits });
+        assert!([200, 422].contains(&studio.post("/follow", &edit).status), "{text:?}");
     }
 }
 

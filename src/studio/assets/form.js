@@ -105,6 +105,8 @@ class ProfileForm {
   }
 
   send(field, edit) {
+    // (The value may be refused: the field then shows again what is in the text.)
+    field.shown = undefined;
     this.change({ path: field.path, ...edit });
   }
 
@@ -247,21 +249,34 @@ class ProfileForm {
 
   // Shows the values of a text; none where it is no TOML.
   show(values) {
-    for (const control of this.box.elements) control.disabled = !values;
+    if (this.isShown !== Boolean(values)) {
+      this.isShown = Boolean(values);
+      for (const control of this.box.elements) control.disabled = !values;
+      // (Sliders of keys without a value are off.)
+      for (const field of this.fields.values()) field.shown = undefined;
+    }
     if (!values) return;
     for (const { table, select } of this.choices) {
       select.value = table.choices.find((name) => values[table.path + "." + name]) || "";
     }
     for (const { part, path } of this.parts) part.hidden = !values[path];
-    for (const field of this.fields.values()) field.show(values[field.key.path]);
+    for (const field of this.fields.values()) {
+      const found = values[field.key.path];
+      const now = JSON.stringify(found ?? null);
+      if (field.shown !== now) field.show(found);
+      field.shown = now;
+    }
   }
 
   // Shows errors at the fields of their keys.
   complain(errors, keys) {
     for (const field of this.fields.values()) {
       const own = errors.filter((_, k) => keys[k] === field.key.path);
+      const said = own.map((error) => error.message + (error.hint ? " (" + error.hint + ")" : "")).join("; ");
+      if (field.said === said) continue;
+      field.said = said;
       field.wrong.hidden = !own.length;
-      field.wrong.textContent = own.map((error) => error.message + (error.hint ? " (" + error.hint + ")" : "")).join("; ");
+      field.wrong.textContent = said;
       for (const control of field.controls) control.setAttribute("aria-invalid", own.length ? "true" : "false");
     }
   }

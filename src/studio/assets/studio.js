@@ -53,9 +53,15 @@
   }
 
   // ---- The text ----
+  let numbered = "";
   function number(errors) {
     const wrong = new Set(errors.map((error) => error.line));
     const count = text.value.split("\n").length;
+    by("lines").scrollTop = text.scrollTop;
+    // (A page is drawn again where its elements are, changed or not.)
+    const now = count + ": " + [...wrong].join(" ");
+    if (now === numbered) return;
+    numbered = now;
     by("lines").replaceChildren(...Array.from({ length: count }, (_, k) =>
       element("span", (k + 1) + "\n", wrong.has(k + 1) ? "bad-line" : "")));
     by("lines").scrollTop = text.scrollTop;
@@ -66,9 +72,7 @@
     text.setSelectionRange(before + column - 1, before + (text.value.split("\n")[line - 1] || "").length);
     text.scrollTop = (line - 4) * 13 * 1.45;
   }
-  async function check(now) {
-    const { errors, keys, values } = await post("/check", source());
-    if (now !== change) return errors.length === 0;
+  function showChecked({ errors, keys, values }) {
     number(errors);
     by("errors").replaceChildren(...errors.map((error) => {
       const item = document.createElement("li");
@@ -83,7 +87,6 @@
     }));
     form.show(values);
     form.complain(errors, keys);
-    return errors.length === 0;
   }
 
   // ---- What is seen ----
@@ -153,19 +156,23 @@
     pictureUrl = url.startsWith("blob:") ? url : "";
     by("size").textContent = said;
   }
-  async function preview(now, sketch) {
-    try {
-      const begun = performance.now();
-      const seen = await post("/preview", { ...source(), sketch });
-      if (!sketch) tookMs = performance.now() - begun;
-      if (now !== change) return;
-      refuse(null);
-      const mirror = sketch ? "a sketch of the mirror, coarser to keep up" : "the smooth mirror";
-      showPicture("data:image/png;base64," + seen.picture, "Test world in " + mirror + ", without shadows; " + seen.pixels.join(" x ") + " pixels while you change it. Shadows come with the next picture, once you pause; the figures below have them.");
-      showSeen(seen, sketch ? "sketch" : "small");
-    } catch (error) {
-      if (now === change) refuse(error);
-    }
+  function showPreview(seen, sketch) {
+    refuse(null);
+    const mirror = sketch ? "a sketch of the mirror, coarser to keep up" : "the smooth mirror";
+    showPicture("data:image/png;base64," + seen.picture, "Test world in " + mirror + ", without shadows; " + seen.pixels.join(" x ") + " pixels while you change it. Shadows come with the next picture, once you pause; the figures below have them.");
+    showSeen(seen, sketch ? "sketch" : "small");
+  }
+  // What follows a change comes in one answer, and is drawn at once.
+  async function follow(now, edits, sketch) {
+    const begun = performance.now();
+    const answer = await post("/follow", { ...source(), edits, sketch });
+    if (!sketch) tookMs = performance.now() - begun;
+    // (What has been typed or opened since counts.)
+    if (now !== change) return;
+    if (edits.length) text.value = answer.text;
+    if (answer.seen) showPreview(answer.seen, sketch);
+    else if (answer.error) refuse(answer.error);
+    showChecked(answer);
   }
   async function whole(now) {
     try {
@@ -234,33 +241,21 @@
   async function work() {
     if (isBusy) return;
     isBusy = true;
-    try {
-      do {
-        const edits = [...waiting.values()];
-        waiting.clear();
-        for (const edit of edits) {
-          try {
-            text.value = (await post("/edit", { text: text.value, ...edit })).text;
-          } catch (error) {
-            refuse(error);
-          }
-        }
-        if (edits.length) change += 1;
-        const now = change;
-        // (What is typed or opened is shown as it is.)
-        const sketch = edits.length > 0 && tookMs > FOLLOW_MS;
-        await Promise.all([check(now), preview(now, sketch)]);
-        if (now === change) nextPart(sketch);
-        shown = now;
-      } while (waiting.size || shown !== change);
-    } catch (error) {
-      refuse(error);
-    }
+    let now;
+    do {
+      const edits = [...waiting.values()];
+      waiting.clear();
+      if (edits.length) change += 1;
+      now = change;
+      // (What is typed or opened is shown as it is.)
+      const sketch = edits.length > 0 && tookMs > FOLLOW_MS;
+      await follow(now, edits, sketch).catch(refuse);
+      if (now === change) nextPart(sketch);
+    } while (waiting.size || now !== change);
     isBusy = false;
     clearTimeout(timer);
     timer = setTimeout(() => whole(change), QUIET_MS);
   }
-  let shown = -1;
 
   text.addEventListener("input", () => { change += 1; number([]); changed(null); });
   text.addEventListener("scroll", () => { by("lines").scrollTop = text.scrollTop; });
