@@ -1,6 +1,7 @@
 //! A plan of a floor, as commands are asked for it.
 
 use super::Error;
+use crate::geom::{DVec2, Ray};
 use crate::lookup::{FloorPlane, MapFrame, PlanRows};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 
@@ -60,6 +61,36 @@ impl FloorPlan {
         MapFrame::Floor { plane: self.plane(), mm_per_px: self.mm_per_px(), rows }
     }
 
+    /// Refuses a floor of which `rays` show nothing within its range; `option` is the one that gives its Z.
+    ///
+    /// # Errors
+    /// [`Error::Option`] of the range, with that of the nearest place that is shown, or of a floor that no ray meets.
+    pub(super) fn check_shown<'r>(
+        &self,
+        rays: impl Iterator<Item = &'r Ray>,
+        option: &'static str,
+    ) -> Result<(), Error> {
+        let FloorPlane { z_mm, range_mm } = self.plane();
+        let everywhere = FloorPlane { z_mm, range_mm: f64::INFINITY };
+        let far = rays.filter_map(|ray| everywhere.meets(ray)).map(|at| DVec2::from(at).length());
+        let nearest = far.filter(|mm| mm.is_finite()).reduce(f64::min);
+        let (option, must, found) = match nearest {
+            Some(mm) if mm <= range_mm => return Ok(()),
+            Some(mm) => {
+                let must = format!(
+                    "more than {:.0}: nothing of the floor at Z = {z_mm} mm is seen nearer to the axis",
+                    mm.ceil()
+                );
+                ("--range-mm", must, range_mm)
+            }
+            None => {
+                let must = "where the mirror's rays go; Z is positive past the camera and negative behind the mirror";
+                (option, must.to_owned(), z_mm)
+            }
+        };
+        Err(Error::Option { option, must, found: found.to_string() })
+    }
+
     /// Whether there can be such a plan; `option` is the one that gives the floor's Z.
     ///
     /// # Errors
@@ -86,5 +117,29 @@ impl FloorPlan {
             return bad("--mm-per-px", must, self.mm_per_px());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::DVec3;
+
+    /// Rays that go down at 45 and 30 degrees, and one that goes up.
+    #[test]
+    fn a_floor_that_no_ray_shows_is_refused_with_what_would_do() {
+        let ray = |z: f64| Ray { origin: DVec3::ZERO, direction: DVec3::new(1.0, 0.0, z) };
+        let rays = [ray(-1.0), ray(-0.5), ray(0.5), ray(0.0)];
+        let said = |z_mm: f64, range_mm: f64, rays: &[Ray]| {
+            let plan = FloorPlan { z_mm, range_mm: Some(range_mm), mm_per_px: None };
+            plan.check_shown(rays.iter(), "--floor-mm").map_err(|error| error.to_string())
+        };
+        assert_eq!(said(-100.0, 100.5, &rays), Ok(()));
+        assert_eq!(said(100.0, 201.0, &rays), Ok(()));
+        let near = said(-100.0, 99.0, &rays).unwrap_err();
+        assert!(near.starts_with("--range-mm must be more than 100: "), "{near}");
+        assert!(near.ends_with("found 99"), "{near}");
+        let none = said(100.0, 1e6, &rays[..2]).unwrap_err();
+        assert!(none.starts_with("--floor-mm must be where the mirror's rays go"), "{none}");
     }
 }

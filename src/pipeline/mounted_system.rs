@@ -134,6 +134,11 @@ impl MountedSystem<'_> {
 }
 
 impl TracedFrame {
+    /// All rays.
+    pub(super) fn rays(&self) -> impl Iterator<Item = &Ray> {
+        self.nodes.iter().flatten().chain(self.between.iter().map(|(_, ray)| ray))
+    }
+
     /// The pole that is away from all directions.
     pub(super) fn pole(&self) -> Pole {
         Pole::away_from(self.between.iter().map(|(_, ray)| ray))

@@ -90,6 +90,9 @@ impl Command for TableOptions<'_> {
         let sight = made.before(&design.camera);
         let (mut report, files) = run.stage(Stage::Trace, || {
             let table = sight.table(self.grid(run.profile));
+            if let Some(floor) = self.floor() {
+                floor.check_shown(table.rays(), "--floor-mm")?;
+            }
             let note = format!("{} nodes, {} places between", table.grid().count(), table.known());
             Ok((self.filled(run.profile, &sight, &table), note))
         })?;

@@ -76,6 +76,11 @@ impl TracedTable {
         &self.shown
     }
 
+    /// All rays.
+    pub(super) fn rays(&self) -> impl Iterator<Item = &Ray> {
+        self.frame.rays()
+    }
+
     /// The pole that is away from all directions.
     pub(super) fn pole(&self) -> Pole {
         self.frame.pole()

@@ -103,7 +103,7 @@ impl PictureRequest<'_> {
         let way = MapWay::new(run, (&design, &framed), pose.as_ref())?;
         let made = picture_stage(run, || {
             let map = way.map(&optics, &framed, size).map_err(unfit)?;
-            self.check_seen(&framed, &map)?;
+            self.check_seen(&way, (&optics, &framed), &map)?;
             Ok((make(MappedPicture { framed: framed.clone(), map })?, pixels))
         })?;
         let warnings = pose.and_then(|pose| pose.warning(run.profile)).into_iter().collect();
@@ -111,7 +111,12 @@ impl PictureRequest<'_> {
     }
 
     /// Refuses a view or a plan of which the photo shows nothing.
-    fn check_seen(&self, framed: &FramedPicture, map: &RemapTable) -> Result<(), Error> {
+    fn check_seen(
+        &self,
+        way: &MapWay,
+        (optics, framed): (&ImagingSystem, &FramedPicture),
+        map: &RemapTable,
+    ) -> Result<(), Error> {
         let (what, remedy) = match framed {
             _ if map.seen() > 0.0 => return Ok(()),
             FramedPicture::Panorama(_) => return Ok(()),
@@ -120,11 +125,15 @@ impl PictureRequest<'_> {
                 "the panorama, without --view, shows the directions that there are",
             ),
             FramedPicture::Ground(floor) => {
+                if let MapWay::Traced(made) = way {
+                    let system = made.before(optics.camera);
+                    floor.check_shown(system.traced(system.grid()).rays(), "--ground")?;
+                }
                 let plane = floor.plane();
                 let (z_mm, range_mm) = (plane.z_mm, plane.range_mm);
                 (
                     format!("the floor at Z = {z_mm} mm within {range_mm} mm of the axis"),
-                    "Z is positive past the camera and negative behind the mirror, and --range-mm reaches farther",
+                    "--range-mm reaches farther, and --mm-per-px looks closer",
                 )
             }
         };

@@ -36,13 +36,13 @@ pub(crate) fn figures(summary: Option<Summary>) -> String {
     })
 }
 
-/// A displacement, px; infinite where rays are lost.
+/// A displacement, px, to a thousandth; infinite where rays are lost.
 #[must_use]
 pub(crate) fn displacement(px: f64) -> String {
     match px {
         px if !px.is_finite() => "lost".into(),
         px if px.abs() >= 1e7 => format!("{px:.2e}"),
-        px => digits(px),
+        px => coordinate(px, 3),
     }
 }
 
@@ -99,7 +99,7 @@ mod tests {
     fn what_is_printed_is_short_and_finite() {
         assert_eq!([0.57, 0.999, 0.95].map(percent), [57.0, 99.9, 95.0]);
         assert_eq!([f64::INFINITY, f64::NAN].map(displacement), ["lost"; 2]);
-        assert_eq!(displacement(2.5e57), "2.50e57");
+        assert_eq!([2.5e57, 1.83e-11, 0.0994].map(displacement), ["2.50e57", "0.000", "0.099"]);
         assert_eq!([-1e-9, 1.23456].map(|mm| coordinate(mm, 3)), ["0.000", "1.235"]);
     }
 }

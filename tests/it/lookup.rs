@@ -329,6 +329,9 @@ fn bad_options_and_poses_are_refused_by_name() {
     let usual = TableOptions::default();
     let said = refused(&TableOptions { every: 0, ..usual });
     assert!(said.contains("--every must be a whole number from 1 to 60"), "{said}");
+    let near = TableOptions { floor_mm: Some(-40.0), range_mm: Some(10.0), ..usual };
+    let said = refused(&near);
+    assert!(said.contains("--range-mm must be more than") && said.contains("found 10"), "{said}");
     let said = refused(&TableOptions { floor_mm: Some(0.0), ..usual });
     assert!(said.contains("--floor-mm must be finite, and not 0"), "{said}");
     let said = refused(&TableOptions { floor_mm: Some(100.0), mm_per_px: Some(1e-4), ..usual });
