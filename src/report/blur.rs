@@ -53,13 +53,13 @@ impl Answer for BlurReport {
             rows.terminal("best", format!("focused on {focus}: full length {length} px; {widest}"));
         }
         let [far, near] = images.range.map(|focus| plane(&focus));
-        let apart = percentiles(images.astigmatism_mm);
-        rows.terminal(
-            "images",
-            format!(
-                "of the world from {near} to {far}; the two line images of a pixel are {apart} mm apart"
-            ),
-        );
+        let apart = match images.astigmatism_mm {
+            mm if mm.p50.is_finite() => {
+                format!("the two line images of a pixel are {} mm apart", percentiles(mm))
+            }
+            _ => "the two line images of most pixels are infinitely far apart".into(),
+        };
+        rows.terminal("images", format!("of the world from {near} to {far}; {apart}"));
         if let Some(sharpness) = &self.sharpness {
             if let Some(given) = &sharpness.given {
                 rows.terminal("sharp", format!("through {}", given.line()));

@@ -28,11 +28,12 @@ pub(crate) fn error_px(px: f64) -> String {
     if px < 1e-3 { "less than 0.001".into() } else { three_digits(px) }
 }
 
-/// RMS, P95 and maximum.
+/// RMS, P95 and maximum, px, mm or mrad: what is below a billionth of these is rounding.
 #[must_use]
 pub(crate) fn figures(summary: Option<Summary>) -> String {
+    let told = |x: f64| if x < 1e-9 { "0.000".to_owned() } else { digits(x) };
     summary.map_or("none".into(), |s| {
-        format!("{} rms, {} p95, {} max", digits(s.rms), digits(s.p95), digits(s.max))
+        format!("{} rms, {} p95, {} max", told(s.rms), told(s.p95), told(s.max))
     })
 }
 
