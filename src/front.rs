@@ -11,9 +11,10 @@ use crate::pipeline::{
 use crate::profile::Profile;
 use crate::results::{
     BlurReport, BuildForecast, BuildReport, DrawingReport, FrameReport, InspectionReport,
-    MachiningReport, ProgramReport, RenderReport, ReplayReport, TableReport, ToleranceReport,
-    UnwrapReport, VerifyReport,
+    MachiningReport, ProgramReport, RenderReport, ReplayReport, SweepReport, TableReport,
+    ToleranceReport, UnwrapReport, VerifyReport,
 };
+use crate::sweep::{self, SweepStudy};
 use std::path::Path;
 
 /// Builds the part into `out/NAME`, reads each file back, traces it, and says whether it does its job.
@@ -258,4 +259,28 @@ pub fn replay(profile: &Profile, trial: u64, out: impl AsRef<Path>) -> Result<Re
     let seed = ToleranceOptions::default().seed;
     let options = ReplayOptions { trial, seed, ..ReplayOptions::default() };
     options.publish(profile, out.as_ref(), &Silent)
+}
+
+/// Runs the points of the study in the file `study` that no earlier run has made, and writes their rows into
+/// `out/sweep/NAME`.
+///
+/// ```
+/// # let out = tempfile::tempdir()?;
+/// # std::fs::write(out.path().join("small.toml"), include_bytes!("../examples/small.toml"))?;
+/// let study = out.path().join("study.toml");
+/// std::fs::write(
+///     &study,
+///     "profile = 'small.toml'\n[[axis]]\nkey = 'part.base_mm'\nvalues = [4, 5]\n\
+///      [[column]]\nkey = 'design.pixel_error_px.rms'\ngoal = 'least'\n",
+/// )?;
+/// let report = morion::sweep(&study, &out)?;
+/// assert_eq!((report.points, report.made), (2, 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`enum@Error`] when study or profile has a fault, or the folder cannot be written to. (A point without an answer is a
+/// row.)
+pub fn sweep(study: impl AsRef<Path>, out: impl AsRef<Path>) -> Result<SweepReport, Error> {
+    sweep::sweep(&SweepStudy::load(study.as_ref())?, out.as_ref(), &Silent)
 }

@@ -80,6 +80,9 @@ pub mod sheet {
 pub mod solid {
     pub use crate::solid::*;
 }
+pub mod sweep {
+    pub use crate::sweep::*;
+}
 pub mod tolerance {
     pub use crate::tolerance::*;
 }

@@ -9,7 +9,8 @@
 //! [`build`] does it all, into a folder, and says *pass* or *fail* with reasons; its siblings are [`verify`] (a
 //! mesh file of any making), [`frame`] (how well the sensor is filled), [`blur`], [`render`] (what the camera
 //! sees), [`unwrap`] (a photo to a panorama), [`tolerance`] and [`replay`] (errors of making and mounting),
-//! [`machining`] (a ball cutter), [`program`] (programs that mill it), [`inspect`] (a measuring machine), [`drawing`] (the sheet that a shop signs) and [`forecast`].
+//! [`machining`] (a ball cutter), [`program`] (programs that mill it), [`inspect`] (a measuring machine), [`drawing`] (the sheet that a shop signs), [`sweep`](sweep()) (a trade study) and
+//! [`forecast`].
 //!
 //! ```
 //! # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
@@ -101,6 +102,7 @@ mod sheet;
 mod solid;
 #[cfg(feature = "studio")]
 mod studio;
+mod sweep;
 mod tolerance;
 mod tolerance_terms;
 mod trace;
@@ -111,8 +113,8 @@ mod video;
 pub use design::{Design, DesignError, MirrorPoint};
 pub use export::Label;
 pub use front::{
-    blur, build, drawing, forecast, frame, inspect, machining, program, render, replay, table,
-    tolerance, unwrap, verify,
+    blur, build, drawing, forecast, frame, inspect, machining, program, render, replay, sweep,
+    table, tolerance, unwrap, verify,
 };
 pub use mesh::{Face, MeshError};
 pub use pipeline::{
@@ -128,8 +130,8 @@ pub use results::{
     BlurReport, BuildForecast, BuildReport, CuttingFault, DrawingFacts, DrawingReport, FileFault,
     FrameReport, InspectionReport, LeastFilled, MachiningReport, PictureFault, PixelErrorFigure,
     ProgramReport, RayFault, Reason, ReasonKind, Refusal, RefusalCause, RenderReport, ReplayFault,
-    ReplayReport, ShapeFault, StudyFault, TableReport, ToleranceReport, UnwrapReport, Verdict,
-    VerifyReport,
+    ReplayReport, ShapeFault, StudyFault, SweepReport, TableReport, ToleranceReport, UnwrapReport,
+    Verdict, VerifyReport,
 };
 pub use solid::{Solid, SolidError};
 pub use unwrap::RemapTable;

@@ -6,10 +6,9 @@
 
 use std::ops::Range;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Bytes of each thread's stack: what Linux gives the first thread of a program.
-#[cfg(feature = "cli")]
 const STACK: usize = 8 << 20;
 /// Pieces per thread into which work is cut: enough for threads to finish at about the same time.
 const PIECES: usize = 16;
@@ -42,6 +41,33 @@ pub(crate) fn join<A: Send, B: Send>(
 
 fn both(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     rayon::join(a, b);
+}
+
+/// Calls `f` for `0..count` on as many threads as there are; what a call shares out itself is done on its thread
+/// alone. Calls are begun in the order of their indices.
+pub(crate) fn each_alone(count: usize, f: &(dyn Fn(usize) + Sync)) {
+    if threads() == 1 {
+        return (0..count).for_each(f);
+    }
+    let next = AtomicUsize::new(0);
+    let work = || {
+        // On a thread of its own it is a pool of one.
+        let _alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+        loop {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            if k >= count {
+                break;
+            }
+            f(k);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..threads().min(count) {
+            // One that cannot be started leaves the work to the others, and all of them to this thread.
+            let _ = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+        }
+    });
+    (next.into_inner()..count).for_each(f);
 }
 
 /// Threads among which work is shared out.
@@ -239,6 +265,24 @@ mod tests {
             let sums = map(40, 1, |k| map(k, 1, |j| j).into_iter().sum::<usize>());
             assert!(sums.into_iter().enumerate().all(|(k, sum)| 2 * sum == k * k.max(1) - k));
             assert_eq!(join(|| join(|| 1, || 2), || 3), ((1, 2), 3));
+        });
+    }
+
+    #[test]
+    fn each_call_alone_is_made_once_and_shares_nothing_out() {
+        on_pools(|| {
+            for count in [0, 1, 2, 100] {
+                let calls: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+                each_alone(count, &|k| {
+                    assert_eq!(threads(), 1);
+                    let own = std::thread::current().id();
+                    assert!(
+                        map(50, 1, |_| std::thread::current().id()).iter().all(|id| *id == own)
+                    );
+                    calls[k].fetch_add(1, Ordering::Relaxed);
+                });
+                assert!(calls.iter().all(|calls| calls.load(Ordering::Relaxed) == 1));
+            }
         });
     }
 

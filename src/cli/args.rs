@@ -1,6 +1,6 @@
 //! The command line.
 
-use super::number_args::{aperture, finite, percent, pixels, positive, threads, trials};
+use super::number_args::{aperture, finite, percent, pixels, positive, shard, threads, trials};
 use super::picture_args::{FrameArgs, RenderArgs, TableArgs, UnwrapArgs};
 use crate::pipeline::LengthUnit;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -60,6 +60,8 @@ pub(super) enum CommandArg {
     Inspect(InspectArgs),
     /// The drawing of the part that a shop signs, as PDF and DXF, into DIR/NAME/
     Drawing(DrawingArgs),
+    /// Sweep keys of a profile as a study says: a row for each point, and the best of them, into DIR/sweep/NAME/
+    Sweep(SweepArgs),
     /// Run time against error of design, mesh, witness, trials and programs, into DIR/bench/
     Bench(BenchArgs),
     /// A page on this machine in which a profile is changed and seen, until Ctrl-C; builds go into DIR/studio/
@@ -264,6 +266,22 @@ pub(super) struct MachiningArgs {
     pub out: PathBuf,
 }
 
+// Arguments of `morion sweep`.
+#[derive(Debug, Args)]
+pub(super) struct SweepArgs {
+    /// The study: a TOML file with a profile, axes and columns
+    pub study: PathBuf,
+    /// Only run the points of job K of N, into a journal of its own; a run without it takes what all jobs have made
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub shard: Option<[usize; 2]>,
+    /// Print the profile of this point, and run nothing
+    #[arg(long, value_name = "POINT", conflicts_with = "shard")]
+    pub show: Option<usize>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
 // Arguments of `morion bench`.
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
@@ -413,6 +431,12 @@ mod tests {
         for wrong in ["", "0", "5..5", "7..3", "-1", "1e4", "0..20000000", "..", "3.5"] {
             assert!(trials(wrong).is_err(), "{wrong}");
         }
+        assert_eq!((shard("1/1"), shard("3 / 8")), (Ok([1, 1]), Ok([3, 8])));
+        assert!(
+            ["", "0/2", "3/2", "1", "1/x", "1/9999999", "-1/2"]
+                .iter()
+                .all(|wrong| shard(wrong).is_err())
+        );
         assert_eq!((percent("0.5%"), percent("2")), (Ok(0.005), Ok(0.02)));
         assert!(["0", "-1%", "101", "half", "nan"].iter().all(|wrong| percent(wrong).is_err()));
     }

@@ -22,13 +22,14 @@ use crate::pipeline::{
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, TextLayout, visible};
-use crate::results::{NamedOutput, PartTrials, ShippedProfile, Verdict};
+use crate::results::{NamedOutput, PartTrials, ShardReport, ShippedProfile, Verdict};
 #[cfg(feature = "studio")]
 use crate::studio::{StudioOptions, serve};
+use crate::sweep::{self, SweepStudy, sweep, sweep_shard};
 #[cfg(feature = "studio")]
 use args::StudioArgs;
 use args::{
-    Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, SchemaArgs,
+    Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, SchemaArgs, SweepArgs,
     ToleranceArgs,
 };
 use clap::Parser;
@@ -114,6 +115,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Program(args) => terminal.publish(&ProgramOptions, &args.profile, &args.out),
         CommandArg::Inspect(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Drawing(args) => terminal.publish(&DrawingOptions, &args.profile, &args.out),
+        CommandArg::Sweep(args) => terminal.sweep(args),
         CommandArg::Bench(args) => terminal.bench(args),
         #[cfg(feature = "studio")]
         CommandArg::Studio(args) => terminal.studio(args),
@@ -227,6 +229,30 @@ impl Terminal {
         self.conclude(&bench, None)?;
         let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
         Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
+    }
+
+    /// Runs the points of a study, or those of one job, or prints the profile of a point.
+    fn sweep(&self, args: &SweepArgs) -> Result<u8, CommandFailure> {
+        let study = SweepStudy::load(&args.study)?;
+        if let Some(point) = args.show {
+            let missing = || {
+                let last = study.points() - 1;
+                CommandFailure::said(format!(
+                    "--show must be a point from 0 to {last}, found {point}"
+                ))
+            };
+            print(&study.profile_of(point).ok_or_else(missing)?, false)?;
+            return Ok(PASSED);
+        }
+        if let Some(shard) = args.shard {
+            let made = sweep_shard(&study, shard, &args.out, &self.progress)?;
+            let ShardReport { journal, points } = &made;
+            self.show(|| visible(&format!("{journal}: {points} points\n")), || line(&made))?;
+            return Ok(PASSED);
+        }
+        let report = sweep(&study, &args.out, &self.progress)?;
+        self.conclude(&report, Some(&args.out.join(sweep::folder(&study))))?;
+        Ok(if report.made == 0 { FAILED } else { PASSED })
     }
 
     #[cfg(feature = "studio")]

@@ -1,6 +1,7 @@
 //! Numbers as arguments, each with what it must be.
 
 use crate::pipeline::ViewAngles;
+use crate::profile::MOST_POINTS;
 use std::ops::Range;
 
 /// A number for which `fits` holds; otherwise it says what it must be.
@@ -84,6 +85,18 @@ pub(super) fn trials(text: &str) -> Result<Range<u64>, String> {
         Some(range) => Ok(range),
         None => Err("write a number, as in 10000, or a range, as in 5000..10000".into()),
     }
+}
+
+/// The number of a job, from 1, and of how many.
+pub(super) fn shard(text: &str) -> Result<[usize; 2], String> {
+    /// Most jobs: as many as a study may have points.
+    const MOST: usize = MOST_POINTS;
+    let numbers = text
+        .split_once('/')
+        .and_then(|(number, of)| Some([number.trim().parse().ok()?, of.trim().parse().ok()?]));
+    let fits = |[number, of]: &[usize; 2]| (1..=*of).contains(number) && *of <= MOST;
+    let must = format!("it must be K/N, job K of N, as in 1/8; N is at most {MOST}");
+    numbers.filter(fits).ok_or(must)
 }
 
 /// A share, from percent.

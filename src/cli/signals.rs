@@ -1,9 +1,11 @@
 //! Signals that end the program: what it was writing goes first, as does a build of the studio, and the exit code tells the signal.
 
 use super::memory::has_room_for;
-use crate::pipeline::abandon;
+use crate::pipeline::{abandon, journal_under_way};
+use crate::report::visible;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
+use std::io::Write;
 use std::process::exit;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -29,6 +31,14 @@ pub(super) fn watch() {
             #[cfg(feature = "studio")]
             crate::studio::end_build();
             abandon();
+            if let Some((journal, added)) = journal_under_way() {
+                // Who cannot read it has the exit code.
+                let _ = writeln!(
+                    std::io::stderr(),
+                    "interrupted: {added} new points are kept in {}; the same command goes on from there",
+                    visible(&journal.display().to_string())
+                );
+            }
             exit(128 + signal);
         }
     };

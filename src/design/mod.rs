@@ -252,9 +252,17 @@ const MOST_ROUNDS: usize = 100;
 /// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
 /// represented or does not cover its outline.
 pub fn design(profile: &Profile) -> Result<Design, DesignError> {
-    let mut design = try_design(profile).map_err(|error| remedied(profile, error))?;
+    let mut design = design_alone(profile)?;
     design.facts.least_error = design.least_error();
     Ok(design)
+}
+
+/// [`design`] without the least error of any other mirror, which takes as long as the mirror.
+///
+/// # Errors
+/// As of [`design`].
+pub fn design_alone(profile: &Profile) -> Result<Design, DesignError> {
+    try_design(profile).map_err(|error| remedied(profile, error))
 }
 
 /// [`design`] without the figures that compare the mirror with what it is to show, which take longer than a

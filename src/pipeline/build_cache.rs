@@ -72,7 +72,7 @@ impl Output {
 
 /// SHA-256 of all that the files of a build depend on: the program's sources and `profile` as it is
 /// understood.
-pub(super) fn inputs(profile: &Profile) -> String {
+pub(crate) fn inputs(profile: &Profile) -> String {
     let mut out = HashingWriter::new(io::sink());
     // Every field is in it, every number to the last digit. Hashing cannot fail.
     let _ = write!(out, "{} {profile:?}", env!("MORION_SOURCES"));

@@ -58,7 +58,7 @@ mod verify_points;
 mod verify_program;
 
 pub use crate::align::LengthUnit;
-pub use crate::publish::{FileError, OutputFile, abandon};
+pub use crate::publish::{FileError, OutputFile, abandon, journal_under_way};
 pub use crate::unwrap::ViewAngles;
 pub use crate::verdict::MachiningOptions;
 pub use blur::BlurOptions;
@@ -86,13 +86,14 @@ pub use unwrap_picture::{Rows, UnwrapPicture};
 pub use unwrap_stream::{RawFormat, RawFrames, UnwrapStream};
 pub use verify::{Verify, VerifyOptions, verify};
 
-/// What the benchmark times and writes, stage by stage.
+/// What benchmark and sweep run, stage by stage.
 pub(crate) use {
+    build_cache::inputs,
     in_memory_build::build_in_memory,
     mesh_files::meshed,
     observer::StageTimer,
     program_forecast::ProgramForecast,
-    run::{Run, designed},
+    run::{Run, designed, designed_alone, designed_unmeasured},
     tolerance_spec::{PreparedStudy, prepared},
 };
 
@@ -101,5 +102,4 @@ pub(crate) use {
 pub(crate) use {
     mesh_files::label as mesh_label,
     page_figures::{coarse_part, drawn_spots, glb, shadowed, sharpness_map, still},
-    run::designed_unmeasured,
 };

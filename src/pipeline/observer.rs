@@ -47,6 +47,8 @@ pub enum Stage {
     Trials,
     /// Trials -> statistics and limits.
     Budget,
+    /// Points of a study, each a run of its own.
+    Points,
     /// Results -> report files.
     Report,
 }
@@ -74,6 +76,7 @@ impl Stage {
             Self::Sensitivities => "errors",
             Self::Trials => "trials",
             Self::Budget => "budget",
+            Self::Points => "points",
             Self::Report => "report",
         }
     }

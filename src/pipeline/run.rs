@@ -3,7 +3,7 @@
 use super::Error;
 use super::observer::{Observer, Stage, StageTimer};
 use super::obstacles;
-use crate::design::{Design, DesignError, design, design_unmeasured};
+use crate::design::{Design, DesignError, design, design_alone, design_unmeasured};
 use crate::profile::Profile;
 use crate::publish::{OutputFile, StagedFile, Transaction};
 use crate::render::Picture;
@@ -204,11 +204,18 @@ pub(crate) fn designed(profile: &Profile) -> Result<Design, Error> {
     designed_by(profile, design)
 }
 
+/// The mirror of `profile` with all figures but the least error of any other mirror.
+///
+/// # Errors
+/// [`Error::Design`] when it has no answer.
+pub(crate) fn designed_alone(profile: &Profile) -> Result<Design, Error> {
+    designed_by(profile, design_alone)
+}
+
 /// The mirror of `profile` without its figures, for what asks for its shape alone.
 ///
 /// # Errors
 /// [`Error::Design`] when it has no answer.
-#[cfg(feature = "studio")]
 pub(crate) fn designed_unmeasured(profile: &Profile) -> Result<Design, Error> {
     designed_by(profile, design_unmeasured)
 }

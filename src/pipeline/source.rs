@@ -93,11 +93,9 @@ impl ProfileText {
     /// [`SourceError`] when there is none, or it cannot be read.
     pub fn find(named: &str) -> Result<Self, SourceError> {
         let path = Path::new(named);
-        let known = shipped().iter().find(|profile| profile.name == named);
         // A folder called like a shipped profile (an output of it, say) does not hide it.
-        if let (Some(profile), false) = (known, path.is_file()) {
-            let (name, bytes) = (profile.name.to_owned(), profile.text.as_bytes().into());
-            return Ok(Self { named: name.clone(), name, bytes });
+        if let (Some(profile), false) = (Self::shipped(named), path.is_file()) {
+            return Ok(profile);
         }
         if !path.exists() {
             return Err(SourceError::Unknown { named: named.into(), hint: hint(named) });
@@ -108,6 +106,14 @@ impl ProfileText {
             return Err(SourceError::Nameless { named: named.into() });
         }
         Ok(Self { name: stem.into_owned(), named: named.into(), bytes })
+    }
+
+    /// The text of a shipped profile; none where none is called so.
+    #[must_use]
+    pub fn shipped(name: &str) -> Option<Self> {
+        let profile = shipped().iter().find(|profile| profile.name == name)?;
+        let (name, bytes) = (profile.name.to_owned(), profile.text.as_bytes().into());
+        Some(Self { named: name.clone(), name, bytes })
     }
 
     /// The profile with the calibration, the map, the meshes and the heights that it names, from its own folder.

@@ -10,6 +10,7 @@ mod calibration;
 mod check;
 mod complaint;
 mod drawing;
+mod edit;
 mod format;
 mod forming;
 mod hole;
@@ -25,6 +26,7 @@ mod shape;
 mod shell;
 mod shipped;
 mod source;
+mod sweep;
 pub mod tolerance;
 mod values;
 mod vector_map;
@@ -40,6 +42,10 @@ pub use calibration::{CalibrationError, CalibrationFile, CoefficientFault, LensM
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use drawing::{DrawingSpec, PaperSize, TitleBlock, ViewArrangement};
+pub use edit::KeyStep;
+pub(crate) use edit::put;
+#[cfg(feature = "studio")]
+pub(crate) use edit::set_value;
 pub use format::{CadFormat, DrawingFormat, FileFormat, MeshFormat, StepProtocol};
 pub use forming::{FormingSpec, MirrorSide, ToolForm, Vents};
 pub use hole::{HoleSpec, under_rim};
@@ -61,6 +67,10 @@ pub use shell::ShellSpec;
 pub use shipped::{Shipped, shipped};
 #[cfg(feature = "studio")]
 pub(crate) use source::text as text_of_profile;
+pub use sweep::{
+    AxisSpec, CheckColumn, ColumnGoal, ColumnSpec, FindText, MOST_POINTS, StudyContext,
+    SweepCommand, SweepSpec,
+};
 pub use tolerance::Tolerance;
 pub use vector_map::{VectorMap, VectorMapError};
 

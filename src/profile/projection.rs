@@ -186,11 +186,12 @@ mod tests {
 
     #[test]
     fn every_name_of_the_schema_is_a_law() {
-        for name in schema::keys("projection") {
+        for name in schema::PROFILE.keys("projection") {
             assert!(LawName::find(name).is_some(), "{name}");
         }
-        let kinds =
-            RadialLawKind::ALL.iter().all(|k| schema::keys("projection").contains(&k.name()));
+        let kinds = RadialLawKind::ALL
+            .iter()
+            .all(|k| schema::PROFILE.keys("projection").contains(&k.name()));
         assert!(kinds && LawName::find("photograph").is_none());
     }
 }

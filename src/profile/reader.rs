@@ -8,7 +8,7 @@ use toml::de::{DeString, DeTable, DeValue, Error};
 use super::NamedFiles;
 use super::complaint::{Complaint, Complaints};
 use super::lines::LineIndex;
-use super::schema;
+use super::schema::{self, Schema};
 use super::words::{list, shown, syntax_hint};
 use crate::geom::TriMesh;
 
@@ -26,7 +26,7 @@ pub(super) enum Need {
     Optional,
 }
 
-/// A table of the profile.
+/// A table of the file.
 pub(super) struct Section<'t> {
     pub(super) path: String,
     pub(super) at: usize,
@@ -62,6 +62,8 @@ pub(super) struct ProfileReader<'a> {
     stray: Vec<usize>,
     /// What has the files that the profile names.
     files: NamedFiles<'a>,
+    /// The tables that the file may have.
+    schema: Schema,
 }
 
 impl<'a> ProfileReader<'a> {
@@ -76,7 +78,13 @@ impl<'a> ProfileReader<'a> {
             swallowing: false,
             stray: Vec::new(),
             files,
+            schema: schema::PROFILE,
         }
+    }
+
+    /// A reader of a file of another kind, which names none.
+    pub(super) fn of(schema: Schema, file: &'a str, text: &'a str) -> Self {
+        Self { schema, ..Self::new(file, text, NamedFiles::NONE) }
     }
 
     /// The bytes of a file that the profile names, at most so many, or why there are none.
@@ -127,7 +135,7 @@ impl<'a> ProfileReader<'a> {
             }
             n if n == MAX_SYNTAX_COMPLAINTS + 1 => {
                 let message = "more lines are not TOML".to_owned();
-                self.complain(span.start, message, "is this file a profile?");
+                self.complain(span.start, message, "is this the right file?");
             }
             _ => {}
         }
@@ -204,7 +212,7 @@ impl<'a> ProfileReader<'a> {
         }
     }
 
-    /// The table that is the whole profile.
+    /// The table that is the whole file.
     pub(super) fn root<'t>(&mut self, entries: &'t DeTable<'t>) -> Section<'t> {
         self.open(String::new(), 0, entries, "")
     }
@@ -217,7 +225,7 @@ impl<'a> ProfileReader<'a> {
         entries: &'t DeTable<'t>,
         hint: &str,
     ) -> Section<'t> {
-        let known = schema::keys(&path);
+        let known = self.schema.keys(&path);
         let mut misspelt = Vec::new();
         for (key, _) in entries {
             let word = key.get_ref().as_ref();
@@ -225,10 +233,10 @@ impl<'a> ProfileReader<'a> {
             if known.contains(&word) || garbled {
                 continue;
             }
-            let hint = match (schema::home(word), schema::nearest(word, known)) {
+            let hint = match (self.schema.home(word), schema::nearest(word, known)) {
                 // (A table without keys has a note that says where to look.)
                 (Some(home), _) if hint.is_empty() || !known.is_empty() => {
-                    format!("{word} belongs in [{home}]")
+                    format!("{word} belongs in {}", self.schema.heading(home))
                 }
                 (None, Some(meant)) => {
                     misspelt.push(meant);
@@ -237,7 +245,7 @@ impl<'a> ProfileReader<'a> {
                 _ => hint.to_owned(),
             };
             let holder = match path.as_str() {
-                "" => "the profile",
+                "" => self.schema.whole,
                 path => path,
             };
             let only = if known.is_empty() { "" } else { "only " };
@@ -256,7 +264,7 @@ impl<'a> ProfileReader<'a> {
         need: Need,
     ) -> Option<Section<'t>> {
         let path = parent.path_of(key);
-        let hint = match schema::usual_keys(&path).as_slice() {
+        let hint = match self.schema.usual_keys(&path).as_slice() {
             [] => format!("write [{path}]"),
             keys => format!("write [{path}] and below it {}", list(keys, "and")),
         };
@@ -297,7 +305,7 @@ impl<'a> ProfileReader<'a> {
         key: &str,
         hint: &str,
     ) -> Vec<(&'static str, Section<'t>)> {
-        let (must, form) = exactly_one(key, &schema::tables(key));
+        let (must, form) = exactly_one(key, &self.schema.below(key));
         if !root.has(key) {
             self.missing(root, format!("{must}, found nothing"), hint);
             return Vec::new();
@@ -314,7 +322,7 @@ impl<'a> ProfileReader<'a> {
         parent: &Section<'t>,
         hint: &str,
     ) -> Vec<(&'static str, Section<'t>)> {
-        let names = schema::tables(&parent.path);
+        let names = self.schema.below(&parent.path);
         let (must, _) = exactly_one(&parent.path, &names);
         let mut found: Vec<_> = names
             .iter()
@@ -327,7 +335,7 @@ impl<'a> ProfileReader<'a> {
         }
         let is_any = |(key, _): (&Spanned<DeString>, &TomlValue)| {
             let key = key.get_ref().as_ref();
-            names.contains(&key) || !schema::keys(&parent.path).contains(&key)
+            names.contains(&key) || !self.schema.keys(&parent.path).contains(&key)
         };
         if !parent.entries.iter().any(is_any) {
             self.missing(parent, format!("{must}, found nothing"), hint);

@@ -1,4 +1,4 @@
-//! Tables that a profile may have, and the keys of each.
+//! Tables that a file may have, and the keys of each: those of a profile.
 
 use crate::tolerance_terms::Perturbation;
 
@@ -90,7 +90,21 @@ const RARE: &[&str] = &[
     "holder_diameter_mm",
 ];
 
-/// Every table by its path, and its keys. The profile itself is the empty path.
+/// Tables that a kind of file may have.
+#[derive(Clone, Copy)]
+pub(super) struct Schema {
+    /// What the whole file is called.
+    pub whole: &'static str,
+    /// Every table by its path, and its keys. The file itself is the empty path.
+    pub tables: &'static [(&'static str, &'static [&'static str])],
+    /// Tables of which a file may have several, each written `[[path]]`.
+    pub lists: &'static [&'static str],
+}
+
+/// The tables of a profile.
+pub(super) const PROFILE: Schema = Schema { whole: "the profile", tables: TABLES, lists: LISTS };
+
+/// Every table of a profile by its path, and its keys. The profile itself is the empty path.
 pub(crate) const TABLES: &[(&str, &[&str])] = &[
     (
         "",
@@ -343,39 +357,46 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
 ];
 
 /// Tables of which a profile may have several, each written `[[path]]`.
-#[cfg(feature = "studio")]
 pub(crate) const LISTS: &[&str] = &["hole", "obstacle", "panel"];
 
-/// The keys of a table; none for a path that is no table.
-pub(super) fn keys(path: &str) -> &'static [&'static str] {
-    TABLES.iter().find(|(table, _)| *table == path).map_or(&[], |(_, keys)| keys)
-}
+impl Schema {
+    /// The keys of a table; none for a path that is no table.
+    pub(super) fn keys(self, path: &str) -> &'static [&'static str] {
+        self.tables.iter().find(|(table, _)| *table == path).map_or(&[], |(_, keys)| keys)
+    }
 
-/// The keys of a table that are tables themselves.
-pub(super) fn tables(path: &str) -> Vec<&'static str> {
-    let is_table = |key: &&str| {
-        let inside = format!("{path}.{key}");
-        TABLES.iter().any(|(table, _)| *table == inside)
-    };
-    keys(path).iter().copied().filter(is_table).collect()
-}
+    /// Whether a path is that of a table.
+    pub(super) fn is_table(self, path: &str) -> bool {
+        self.tables.iter().any(|(table, _)| *table == path)
+    }
 
-/// The keys of a table that most profiles use.
-pub(super) fn usual_keys(path: &str) -> Vec<&'static str> {
-    keys(path).iter().copied().filter(|key| !RARE.contains(key)).collect()
+    /// The keys of a table that are tables themselves.
+    pub(super) fn below(self, path: &str) -> Vec<&'static str> {
+        let is_table = |key: &&str| self.is_table(&format!("{path}.{key}"));
+        self.keys(path).iter().copied().filter(is_table).collect()
+    }
+
+    /// The keys of a table that most files use.
+    pub(super) fn usual_keys(self, path: &str) -> Vec<&'static str> {
+        self.keys(path).iter().copied().filter(|key| !RARE.contains(key)).collect()
+    }
+
+    /// How the heading of a table is written.
+    pub(super) fn heading(self, path: &str) -> String {
+        if self.lists.contains(&path) { format!("[[{path}]]") } else { format!("[{path}]") }
+    }
+
+    /// The first table that has a key of this name.
+    pub(super) fn home(self, key: &str) -> Option<&'static str> {
+        let mut tables = self.tables.iter();
+        let found = tables.find(|(table, keys)| !table.is_empty() && keys.contains(&key));
+        found.map(|(table, _)| *table)
+    }
 }
 
 /// Hint for an unknown key in a table; empty if there is none.
 pub(super) fn note(path: &str) -> &'static str {
     if path == "layout.disc" { "the disc's diameter is part.width_mm" } else { "" }
-}
-
-/// The first table that has a key of this name.
-pub(super) fn home(key: &str) -> Option<&'static str> {
-    TABLES
-        .iter()
-        .find(|(table, keys)| !table.is_empty() && keys.contains(&key))
-        .map(|(table, _)| *table)
 }
 
 /// The word that `found` was probably meant to be.
@@ -398,7 +419,7 @@ mod tests {
     fn every_table_hangs_on_its_parent() {
         for (path, _) in TABLES.iter().filter(|(path, _)| !path.is_empty()) {
             let (parent, key) = path.rsplit_once('.').unwrap_or(("", path));
-            assert!(keys(parent).contains(&key), "{path}");
+            assert!(PROFILE.keys(parent).contains(&key), "{path}");
         }
     }
 
@@ -422,31 +443,31 @@ mod tests {
 
     #[test]
     fn usual_keys_leave_the_rare_ones_out() {
-        assert_eq!(usual_keys("part"), ["width_mm", "base_mm"]);
-        assert_eq!(usual_keys("camera.pinhole"), ["pixels", "focal_px", "distance_mm"]);
+        assert_eq!(PROFILE.usual_keys("part"), ["width_mm", "base_mm"]);
+        assert_eq!(PROFILE.usual_keys("camera.pinhole"), ["pixels", "focal_px", "distance_mm"]);
         for rare in RARE {
-            assert!(home(rare).is_some(), "{rare}");
+            assert!(PROFILE.home(rare).is_some(), "{rare}");
         }
     }
 
     #[test]
     fn near_words_are_found_and_far_ones_are_not() {
-        let part = keys("part");
+        let part = PROFILE.keys("part");
         assert_eq!(nearest("widht_mm", part), Some("width_mm"));
         assert_eq!(nearest("width", part), Some("width_mm"));
         assert_eq!(nearest("colour", part), None);
-        assert_eq!(nearest("cylinderical", keys("projection")), Some("cylindrical"));
-        assert_eq!(nearest("equi", keys("projection")), Some("equirectangular"));
+        assert_eq!(nearest("cylinderical", PROFILE.keys("projection")), Some("cylindrical"));
+        assert_eq!(nearest("equi", PROFILE.keys("projection")), Some("equirectangular"));
         assert_eq!(nearest("STL", &["obj", "stl"]), Some("stl"));
         assert_eq!(nearest("step", &["obj", "stl"]), None);
-        assert_eq!(nearest("vector_field", keys("method")), Some("vector-field"));
+        assert_eq!(nearest("vector_field", PROFILE.keys("method")), Some("vector-field"));
         assert_eq!(nearest("", part), None);
     }
 
     #[test]
     fn keys_know_their_table() {
-        assert_eq!(home("degree"), Some("method.vector-field"));
-        assert_eq!(home("height_mm"), Some("part"));
-        assert_eq!(home("colour"), None);
+        assert_eq!(PROFILE.home("degree"), Some("method.vector-field"));
+        assert_eq!(PROFILE.home("height_mm"), Some("part"));
+        assert_eq!(PROFILE.home("colour"), None);
     }
 }

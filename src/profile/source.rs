@@ -28,7 +28,7 @@ pub(crate) fn text<'b>(file: &str, bytes: &'b [u8]) -> Result<&'b str, Complaint
         return Err(one(
             (1, 1),
             format!("the file must be at most {MAX_BYTES} bytes long, found {}", bytes.len()),
-            "a profile is a page of text; is this a mesh or a picture?",
+            "a page of text is meant; is this a mesh or a picture?",
         ));
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {

@@ -27,6 +27,7 @@ mod program;
 mod render;
 mod replay;
 mod sharpness;
+mod sweep;
 mod table;
 mod text_layout;
 mod tolerance;

@@ -21,6 +21,7 @@ mod render;
 mod replay;
 mod sharpness;
 mod study_faults;
+mod sweep;
 mod table;
 mod tolerance;
 mod tool;
@@ -58,6 +59,10 @@ pub use render::RenderReport;
 pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{ApertureFacts, SharpnessFacts};
 pub use study_faults::{CutterPart, CuttingFault, ReplayFault, StockMeeting, StudyFault};
+pub use sweep::{
+    AxisFacts, ColumnFacts, PointFacts, PointFailures, PointOutcome, PointStatus, ShardReport,
+    SweepReport, SweepRow, SweepTable, words_of_key,
+};
 pub use table::{FieldFacts, FloorFacts, PlaceMapFacts, TableReport};
 pub use tolerance::{FacetsFrom, ToleranceReport};
 pub use tool::ToolFacts;

@@ -1,8 +1,9 @@
 //! Changes of single values in a profile's text; comments, order and unknown keys stay.
 
+use crate::profile::{KeyStep, put, set_value};
 use serde::Deserialize;
 use serde_json::Value as Json;
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
+use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
 /// A change of a text.
 #[derive(Debug, Deserialize)]
@@ -50,13 +51,15 @@ impl TextEdit {
         match &self.change {
             Change::Value(Json::Null) => remove(document.as_item_mut(), tables, last),
             Change::Value(json) => {
-                let table = opened(document.as_item_mut(), tables)?;
-                set(table, last, self.index, json)?;
+                let keys = self.path.iter().cloned().map(KeyStep::Key);
+                let steps: Vec<KeyStep> = keys.chain(self.index.map(KeyStep::Entry)).collect();
+                set_value(&mut document, &steps, json)?;
             }
             Change::Toml(text) => {
                 let value = text.trim().parse::<Value>();
                 let value = value.map_err(|_| format!("{last} must be a TOML value"))?;
-                put(opened(document.as_item_mut(), tables)?, last, value)?;
+                let table = opened(document.as_item_mut(), tables)?.as_table_like_mut();
+                put(table.ok_or_else(|| format!("{last} is in no table"))?, last, value);
             }
             Change::Take { name, among } => take(document.as_item_mut(), &self.path, name, among)?,
         }
@@ -92,56 +95,6 @@ fn remove(mut item: &mut Item, path: &[String], last: &str) {
     if let Some(table) = item.as_table_like_mut() {
         table.remove(last);
     }
-}
-
-/// Sets a key, or an entry of the list that it has, to what `json` is in TOML.
-fn set(table: &mut Item, key: &str, index: Option<usize>, json: &Json) -> Result<(), String> {
-    let old = table.get(key).and_then(Item::as_value);
-    let Some(index) = index else {
-        let value = value_of(json, old).ok_or_else(|| format!("{key} cannot have this value"))?;
-        return put(table, key, value);
-    };
-    let list = table.get_mut(key).and_then(Item::as_array_mut);
-    let list = list.filter(|list| index < list.len());
-    let list = list.ok_or_else(|| format!("{key} has no entry {index}"))?;
-    let value = value_of(json, list.get(index));
-    list.replace(index, value.ok_or_else(|| format!("{key} cannot have this value"))?);
-    Ok(())
-}
-
-/// Puts a value in the place of an old one, with the spaces and comments around that.
-fn put(table: &mut Item, key: &str, mut value: Value) -> Result<(), String> {
-    let table = table.as_table_like_mut().ok_or_else(|| format!("{key} is in no table"))?;
-    match table.get_mut(key) {
-        Some(old) => {
-            if let Some(old) = old.as_value() {
-                *value.decor_mut() = old.decor().clone();
-            }
-            *old = Item::Value(value);
-        }
-        None => {
-            table.insert(key, Item::Value(value));
-        }
-    }
-    Ok(())
-}
-
-/// `json` in TOML: a whole number is an integer unless `old` has a decimal point.
-fn value_of(json: &Json, old: Option<&Value>) -> Option<Value> {
-    Some(match json {
-        Json::Bool(flag) => Value::from(*flag),
-        Json::String(text) => Value::from(text.as_str()),
-        Json::Number(number) => match number.as_i64() {
-            Some(whole) if !old.is_some_and(Value::is_float) => Value::from(whole),
-            _ => Value::from(number.as_f64()?),
-        },
-        Json::Array(items) => {
-            let old = old.and_then(Value::as_array);
-            let entry = |(k, item): (usize, &Json)| value_of(item, old.and_then(|old| old.get(k)));
-            Value::Array(items.iter().enumerate().map(entry).collect::<Option<Array>>()?)
-        }
-        Json::Null | Json::Object(_) => return None,
-    })
 }
 
 /// Gives the table of `among` that is at `path` the name `name`, with all that it holds.

@@ -55,6 +55,9 @@ fn pages_say_what_each_figure_means() {
 fn every_command_fits_a_terminal() {
     let folder = folder();
     save(folder.path(), SMALL);
+    let study = "profile = 'small.toml'\n[[axis]]\nkey = 'part.width_mm'\nvalues = [10, -1, 15]\n\
+                 [[column]]\nkey = 'design.pixel_error_px.rms'\ngoal = 'least'\n";
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
     for arguments in [
         "build small.toml",
         "build small.toml --force --verbose",
@@ -78,6 +81,9 @@ fn every_command_fits_a_terminal() {
         "drawing small.toml -v",
         "inspect small.toml -v",
         "verify out/small/inspection.csv --profile small.toml --align -v",
+        "sweep study.toml",
+        "sweep study.toml --shard 1/2",
+        "sweep small.toml",
         "profiles",
         "build no-such-profile",
         "render small.toml --scene no-such-scene",

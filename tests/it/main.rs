@@ -68,6 +68,7 @@ mod stress;
 #[cfg(feature = "studio")]
 mod studio;
 mod support;
+mod sweep;
 mod targets;
 mod tolerance;
 mod tracing;

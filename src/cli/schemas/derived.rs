@@ -6,8 +6,8 @@ use crate::pipeline::{BuildTimings, Timings};
 use crate::results::{
     BlurReport, BuildForecast, BuildReport, DrawingReport, ErrorLine, FrameReport,
     InspectionReport, MachiningReport, NamedOutput, PartTrials, PoseFile, ProfileCheck,
-    ProgramReport, RenderReport, ReplayReport, SCHEMA, ShippedProfile, TableReport,
-    ToleranceReport, UnwrapReport, VerifyReport,
+    ProgramReport, RenderReport, ReplayReport, SCHEMA, ShardReport, ShippedProfile, SweepReport,
+    TableReport, ToleranceReport, UnwrapReport, VerifyReport,
 };
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
@@ -56,6 +56,8 @@ fn root(name: &str) -> (fn(SchemaGenerator) -> Schema, u32) {
         "program" => of::<ProgramReport>,
         "inspect" => of::<InspectionReport>,
         "drawing" => of::<DrawingReport>,
+        "sweep" => of::<SweepReport>,
+        "shard" => of::<ShardReport>,
         "profiles" => of::<ShippedProfile>,
         "schema" => of::<NamedOutput>,
         "error" => of::<ErrorLine>,

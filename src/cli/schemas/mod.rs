@@ -24,7 +24,7 @@ macro_rules! outputs {
 }
 
 /// All JSON outputs, those of `morion build` first.
-static OUTPUTS: [Output; 23] = outputs![
+static OUTPUTS: [Output; 25] = outputs![
     "bench", "bench.json", "morion bench";
     "build", "report.json of a build", "morion build";
     "dry-run", "forecast of a build", "morion build --dry-run";
@@ -45,6 +45,8 @@ static OUTPUTS: [Output; 23] = outputs![
     "program", "program.json", "morion program";
     "inspect", "inspection.json", "morion inspect";
     "drawing", "drawing.json", "morion drawing";
+    "sweep", "sweep.json", "morion sweep";
+    "shard", "points of one job of a study", "morion sweep --shard";
     "profiles", "shipped profile, a line for each", "morion profiles";
     "schema", "JSON output, a line for each", "morion schema";
     "error", "error, a line for each", "every command that ends with exit code 2";

@@ -189,10 +189,10 @@ fn other_laws(projection: &projection::ProjectionEntry, layout: &str, keys: &[&s
         return format!("a table for {layout} has {}", keys[keys.len() - 1]);
     }
     let has = |law: &&str| {
-        let of_law = schema::keys(&format!("projection.{law}"));
+        let of_law = schema::PROFILE.keys(&format!("projection.{law}"));
         keys.iter().any(|key| of_law.contains(key))
     };
-    let laws: Vec<&str> = schema::keys("projection").iter().copied().filter(has).collect();
+    let laws: Vec<&str> = schema::PROFILE.keys("projection").iter().copied().filter(has).collect();
     format!("laws for {layout} are {}", list(&laws, "and"))
 }
 

@@ -149,6 +149,12 @@ impl Page {
         }
     }
 
+    /// Adds lines as they are typed.
+    pub(super) fn code(&mut self, lines: &[String]) {
+        let lines: Vec<String> = lines.iter().map(|line| escaped(line)).collect();
+        self.raw(&format!("<pre class=\"wide\" tabindex=\"0\">{}</pre>", lines.join("\n")));
+    }
+
     /// Adds warnings, unless there are none.
     pub(super) fn warnings(&mut self, warnings: &[String]) {
         for warning in warnings {

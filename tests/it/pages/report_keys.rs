@@ -94,6 +94,13 @@ const LEG: &str = "\
 cylinder = { from_mm = [0, 16, -30], to_mm = [0, 16, 4], radius_mm = 1.5 }
 ";
 
+/// A study with a pair of axes, a point that fails, and a column that no point has.
+const STUDY: &str = "\
+profile = 'all.toml'
+axis = [{ key = 'part.width_mm', values = [15, -1] }, { key = 'part.base_mm', values = [2, 3], paired_with = 'part.width_mm', goal = 'least' }]
+column = [{ key = 'design.pixel_error_px.rms', goal = 'least' }, { key = 'design.dividing_lines.departure_px' }]
+";
+
 /// Runs in a folder of their own, and the JSON values that they made.
 struct Runs(tempfile::TempDir);
 
@@ -124,6 +131,7 @@ impl Runs {
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
         }
+        std::fs::write(runs.path("study.toml"), STUDY).unwrap();
         let direction = |k: u32| {
             let (row, column) = (k / 16, k % 16);
             let [x, y] = [f64::from(column) - 7.5, 5.5 - f64::from(row)].map(|x| x / 16.0);
@@ -284,6 +292,7 @@ fn the_page_of_studies_has_every_key() {
     hold(STUDIES, &["## `program.json`"], &milled);
     hold(STUDIES, &["## `drawing.json`"], &[runs.printed("drawing rimmed.toml")]);
     hold(STUDIES, &["## `inspection.json`"], &[runs.printed("inspect all.toml")]);
+    hold(STUDIES, &["## `sweep.json`"], &[runs.printed("sweep study.toml")]);
     let bench = runs.printed("bench round.toml --quick --suggest 3px");
     hold(STUDIES, &["## `bench.json`"], &[bench]);
 }

@@ -33,6 +33,7 @@ const TABLES: &[(&[&str], &str, &[&str])] = &[
     (&["program"], STUDIES, &["## `program.json`"]),
     (&["drawing"], STUDIES, &["## `drawing.json`"]),
     (&["inspect"], STUDIES, &["## `inspection.json`"]),
+    (&["sweep"], STUDIES, &["## `sweep.json`"]),
     (&["bench"], STUDIES, &["## `bench.json`"]),
     (&["tolerance"], TOLERANCE, &["## `tolerance.json`"]),
     (&["tolerance-timings"], TOLERANCE, &["## `tolerance-timings.json`"]),
