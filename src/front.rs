@@ -210,7 +210,7 @@ pub fn machining(profile: &Profile, out: impl AsRef<Path>) -> Result<MachiningRe
     MachiningOptions::default().publish(profile, out.as_ref(), &Silent)
 }
 
-/// Writes the programs that mill the mirror as `[program]` of the profile asks, reads them back, cuts a block with them and traces
+/// Writes the programs that mill or turn the mirror as `[program]` of the profile asks, reads them back, cuts the stock with them and traces
 /// what the last of them leaves, into `out/NAME/program`.
 ///
 /// ```

@@ -89,6 +89,9 @@ pub mod tolerance {
 pub mod trace {
     pub use crate::trace::*;
 }
+pub mod turning {
+    pub use crate::turning::*;
+}
 pub mod lookup {
     pub use crate::lookup::*;
 }

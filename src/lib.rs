@@ -9,7 +9,7 @@
 //! [`build`] does it all, into a folder, and says *pass* or *fail* with reasons; its siblings are [`verify`] (a
 //! mesh file of any making), [`frame`] (how well the sensor is filled), [`blur`], [`render`] (what the camera
 //! sees), [`unwrap`] (a photo to a panorama), [`tolerance`] and [`replay`] (errors of making and mounting),
-//! [`machining`] (a ball cutter), [`program`] (programs that mill it), [`inspect`] (a measuring machine), [`drawing`] (the sheet that a shop signs), [`sweep`](sweep()) (a trade study) and
+//! [`machining`] (a ball cutter), [`program`] (programs that mill or turn it), [`inspect`] (a measuring machine), [`drawing`] (the sheet that a shop signs), [`sweep`](sweep()) (a trade study) and
 //! [`forecast`].
 //!
 //! ```
@@ -106,6 +106,7 @@ mod sweep;
 mod tolerance;
 mod tolerance_terms;
 mod trace;
+mod turning;
 mod unwrap;
 mod verdict;
 mod video;

@@ -1,12 +1,16 @@
 //! Programs of numerical control.
 
 use morion::internals::geom::DVec2;
-use morion::internals::program::{SweptBall, ToolMove, ToolPath};
+use morion::internals::program::{SweptBall, ToolMove, ToolPath, TurnedSurface, TurningPath};
 
 /// Moves of which the surface is compared with a search among all of them.
 const MOST: usize = 500;
 
+/// Most turns of which the section is looked at.
+const MOST_TURNS: f64 = 2000.0;
+
 pub fn holds(bytes: &[u8]) {
+    turned(bytes);
     let path = match ToolPath::read(bytes) {
         Ok(path) => path,
         Err(error) => {
@@ -38,6 +42,23 @@ pub fn holds(bytes: &[u8]) {
         let least = (0..moves.len()).filter_map(of).reduce(f64::min);
         assert_eq!(swept.lowest(at).map(|found| found.z_mm), least, "{at}");
     }
+}
+
+/// As the program of a lathe: turns are those of feed moves, and the cusps of a section rise.
+fn turned(bytes: &[u8]) {
+    let Ok(path) = TurningPath::read(bytes) else { return };
+    assert_eq!(path.tool.moves.len(), path.turns.len());
+    let steps = || path.tool.moves.iter().zip(&path.turns);
+    assert!(steps().all(|(step, turns)| turns.is_finite() && *turns >= 0.0 && step.to.y == 0.0));
+    assert!(steps().all(|(step, turns)| step.feed.is_some() || *turns == 0.0));
+    let surface = TurnedSurface::new(&path, 2.0);
+    if surface.turns() > MOST_TURNS {
+        return;
+    }
+    let section = surface.section(0.0);
+    let cusps: Vec<f64> = section.cusps().collect();
+    assert!(cusps.windows(2).all(|pair| pair[0] < pair[1]), "{cusps:?}");
+    assert!(cusps.iter().all(|at| section.lowest(*at).is_none_or(|place| place.z_mm.is_finite())));
 }
 
 /// The same cuts, each from where it begins, in plain words.

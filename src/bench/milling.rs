@@ -21,11 +21,12 @@ const OTHER_KEYS: [&str; 3] = ["scallop_um", "budget_px", "polish_um"];
 
 /// Programs of balls of several radii, the profile's own among them, with wider and narrower lines. The error is what the design
 /// and its scallops leave, which are independent. Scallops are as steep as the lines are apart; the time is that of all operations.
-/// A mirror that cannot be milled by a ball on three axes has no runs.
+/// A mirror that cannot be milled by a ball on three axes has no runs, nor has one of a lathe.
 pub(super) fn sweep(subjects: &[Subject], quick: bool) -> BenchSweep {
     let mut runs: Vec<BenchRun> = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
-        let own_mm = subject.profile.program.finishing.ball_mm;
+        let Some(own) = subject.profile.program.mill() else { continue };
+        let own_mm = own.finishing.ball_mm;
         let mut radii_mm = if quick { vec![own_mm] } else { RADII_MM.to_vec() };
         if !radii_mm.contains(&own_mm) {
             radii_mm.push(own_mm);
@@ -81,15 +82,17 @@ impl Milled {
 /// Programs of `subject` with this ball and stepover; none where pixel errors are not known.
 fn planned(subject: &Subject, ball_mm: f64, stepover_mm: f64) -> Result<Option<Milled>, Error> {
     let mut profile = subject.profile.clone();
-    profile.program.finishing = FinishingSpec {
+    let Some(spec) = profile.program.mill_mut() else { return Ok(None) };
+    spec.finishing = FinishingSpec {
         ball_mm,
         stepover_mm: Some(stepover_mm),
         scallop_um: None,
         budget_px: None,
         polish_um: None,
-        ..profile.program.finishing
+        ..spec.finishing
     };
-    let forecast = ProgramForecast::new(&profile, &subject.design)?;
+    let spec = *spec;
+    let forecast = ProgramForecast::new(&profile, &spec, &subject.design)?;
     let own = subject.design.facts.pixel_error_px;
     let milled = forecast.scallops_px.zip(own).map(|(scallops, own)| Milled {
         ball_mm,
@@ -177,7 +180,7 @@ mod tests {
                 let after = Profile::parse(shipped.name, shipped.name, text.as_bytes());
                 let after = after.unwrap_or_else(|error| panic!("{error}\n{text}"));
                 let FinishingSpec { ball_mm, stepover_mm, angle_deg, polish_um, .. } =
-                    after.program.finishing;
+                    after.program.mill().unwrap().finishing;
                 assert_eq!((ball_mm, stepover_mm), (5.0, Some(0.25)), "{text}");
                 assert_eq!((angle_deg, polish_um), (Some(90.0), None), "{text}");
                 assert_eq!(text.contains("ball_mm = 5.0 # the one at hand"), had, "{text}");

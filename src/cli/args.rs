@@ -54,7 +54,7 @@ pub(super) enum CommandArg {
     Tolerance(ToleranceArgs),
     /// What a ball cutter makes of the mirror: fit, scallops, pixels, and the as-cut part, into DIR/NAME/
     Machining(MachiningArgs),
-    /// Programs that mill the mirror, read back, cut and traced: what comes off the machine, into DIR/NAME/program/
+    /// Programs that mill or turn the mirror, read back, cut and traced: what comes off the machine, into DIR/NAME/program/
     Program(ProgramArgs),
     /// Plan the points of a coordinate measuring machine: a table and a program, into DIR/NAME/
     Inspect(InspectArgs),
@@ -115,7 +115,7 @@ pub(super) struct CheckArgs {
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
     /// The file: STL, OBJ, 3MF, GLB or STEP, in the part frame of the profile unless --align is given; with --align
-    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY; with --ball-mm a program: NGC, NC, TAP, CNC or GCODE
+    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY; with --ball-mm or --nose-mm a program: NGC, NC, TAP, CNC or GCODE
     pub file: PathBuf,
     /// Profile file, or name of a shipped profile
     #[arg(long)]
@@ -133,6 +133,9 @@ pub(super) struct VerifyArgs {
     /// Radius of the ball cutter whose tip a program moves, its origin on the part's base below the camera's axis
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub ball_mm: Option<f64>,
+    /// Radius of the nose of the tool that a program of a lathe moves, by the point at which it is touched off
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub nose_mm: Option<f64>,
     /// Folder for the report and its page, in DIR/NAME-verify/; with --align also for the form error's map
     /// [default: none; with --align: out]
     #[arg(long, value_name = "DIR")]

@@ -26,8 +26,8 @@ impl BuildArgs {
 impl VerifyArgs {
     pub(super) fn command(&self) -> Verify<'_> {
         let (units, align) = (self.units.map(Into::into), self.align);
-        let (probe_mm, ball_mm) = (self.probe_mm, self.ball_mm);
-        let options = VerifyOptions { units, align, probe_mm, ball_mm };
+        let (probe_mm, ball_mm, nose_mm) = (self.probe_mm, self.ball_mm, self.nose_mm);
+        let options = VerifyOptions { units, align, probe_mm, ball_mm, nose_mm };
         Verify { path: &self.file, options }
     }
 }

@@ -250,6 +250,21 @@ impl<'a> SurfaceAnalysis<'a> {
         steps.fold(f64::INFINITY, f64::min)
     }
 
+    /// How far tilts up and down the slope, evenly spread up to `tilt` radians from the mirror's own normal, displace the image, pixels: those
+    /// of circles about the axis. None without a projection.
+    #[must_use]
+    pub fn displacements_of_turns(&self, tilt: f64) -> Option<Summary> {
+        let of = |pixel: &Pixel| {
+            let [x, y] = pixel.moves?;
+            let place = &pixel.place;
+            let out = place.at.truncate().normalize_or_zero();
+            // On ground of slope g a tilt changes the slope by 1 + g^2 times itself.
+            let slope = tilt * place.stretch() * place.stretch();
+            Some((x * out.x + y * out.y).length() * slope).filter(|px| px.is_finite())
+        };
+        spread(self.pixels.iter().filter_map(of).collect())
+    }
+
     /// Whether the mirror looks the same from all sides.
     fn round(&self) -> bool {
         self.samples.mirror().surface.is_axisymmetric()

@@ -2,7 +2,7 @@
 
 use super::motions::Pace;
 use crate::num::rounding::significant;
-use crate::profile::{MachineSpec, ProgramSpec, StockMaterial};
+use crate::profile::{MachineSpec, MillSpec, StockMaterial};
 use serde::Serialize;
 
 /// Speed of the spindle and feeds of a cutter.
@@ -44,7 +44,7 @@ fn usual(material: StockMaterial) -> CuttingData {
 impl Speeds {
     /// Those of a ball of radius `ball_mm` at the feed that the profile names, if it does.
     #[must_use]
-    pub(super) fn new(spec: &ProgramSpec, ball_mm: f64, feed_mm_min: Option<f64>) -> Self {
+    pub(super) fn new(spec: &MillSpec, ball_mm: f64, feed_mm_min: Option<f64>) -> Self {
         let MachineSpec { max_feed_mm_min, max_spindle_rpm, .. } = spec.machine;
         let data = usual(spec.material);
         let diameter_mm = 2.0 * ball_mm;
@@ -70,7 +70,7 @@ impl Speeds {
 }
 
 /// Step from level to level, mm.
-pub(super) fn stepdown_mm(spec: &ProgramSpec, ball_mm: f64) -> f64 {
+pub(super) fn stepdown_mm(spec: &MillSpec, ball_mm: f64) -> f64 {
     let usual = significant(2.0 * ball_mm * usual(spec.material).stepdown_share, 2);
     spec.roughing.stepdown_mm.unwrap_or(usual)
 }
@@ -82,7 +82,7 @@ mod tests {
     /// A cutter of 6 mm with two teeth in aluminium: n = 1000 v / (pi D), f = n z fz, as handbooks have it.
     #[test]
     fn speeds_follow_the_shops_formulas_and_the_machines_limits() {
-        let spec = ProgramSpec::default();
+        let spec = MillSpec::default();
         let found = Speeds::new(&spec, 3.0, None);
         assert_eq!(
             (found.spindle_rpm, found.feed_mm_min, found.entry_feed_mm_min),

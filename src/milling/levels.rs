@@ -43,7 +43,7 @@ impl LevelCut {
             let turned: Vec<&TipLine> =
                 if backwards { lines.iter().rev().collect() } else { lines.iter().collect() };
             for line in turned {
-                let cuts = cuts(&line.places, [level, above]);
+                let cuts = level_cuts(&line.places, [level, above]);
                 let cuts = cuts.into_iter().map(|cut| thinned(&cut, self.chord_mm));
                 let mut cuts: Vec<Vec<DVec3>> = cuts.collect();
                 if backwards {
@@ -155,7 +155,8 @@ fn way_out(rect: Rect, from: DVec2, way: DVec2) -> Option<f64> {
 }
 
 /// The parts of a line that lie lower than the level `above`, which is cut, no lower than `level`.
-fn cuts(places: &[DVec3], [level, above]: [f64; 2]) -> Vec<Vec<DVec3>> {
+#[must_use]
+pub fn level_cuts(places: &[DVec3], [level, above]: [f64; 2]) -> Vec<Vec<DVec3>> {
     let (mut cuts, mut cut) = (Vec::new(), Vec::<DVec3>::new());
     let held = |at: DVec3| at.with_z(at.z.max(level));
     for pair in places.windows(2) {
@@ -194,14 +195,14 @@ mod tests {
     #[test]
     fn a_line_is_cut_below_the_level_before_and_down_to_its_own() {
         let places = [(0.0, 0.0), (10.0, 10.0), (20.0, 0.0)].map(|(x, z)| DVec3::new(x, 1.0, z));
-        let found = cuts(&places, [4.0, 7.0]);
+        let found = level_cuts(&places, [4.0, 7.0]);
         let flat = |cut: &Vec<DVec3>| cut.iter().map(|at| (at.x, at.z)).collect::<Vec<_>>();
         assert_eq!(
             found.iter().map(flat).collect::<Vec<_>>(),
             [vec![(0.0, 4.0), (4.0, 4.0), (7.0, 7.0)], vec![(13.0, 7.0), (16.0, 4.0), (20.0, 4.0)]]
         );
-        assert_eq!(cuts(&places, [12.0, f64::INFINITY])[0][1], DVec3::new(10.0, 1.0, 12.0));
-        assert!(cuts(&places, [-2.0, -1.0]).is_empty());
+        assert_eq!(level_cuts(&places, [12.0, f64::INFINITY])[0][1], DVec3::new(10.0, 1.0, 12.0));
+        assert!(level_cuts(&places, [-2.0, -1.0]).is_empty());
     }
 
     #[test]

@@ -24,10 +24,12 @@ mod surface_lines;
 mod tip_line;
 
 pub use cutting_data::Speeds;
-pub use motions::{Pace, TipMove};
+pub use levels::level_cuts;
+pub use motions::{MotionList, Pace, TipMove};
 pub use operation::{MillingTask, Operation, OperationKind};
-pub use post::{Header, program_text};
+pub use post::{Header, program_comment, program_number, program_text};
 pub use stock_block::StockBlock;
+pub use tip_line::thinned;
 
 use crate::geom::DVec2;
 use crate::machining::MachiningError;

@@ -23,19 +23,22 @@ pub enum Pace {
 }
 
 /// Moves in the making: between cuts the tip is at the height of rapid moves.
-pub(super) struct MotionList {
+pub struct MotionList {
     moves: Vec<TipMove>,
     /// Height of rapid moves over the stock, mm.
     safe_mm: f64,
 }
 
 impl MotionList {
-    pub(super) fn new(safe_mm: f64) -> Self {
+    /// No move yet.
+    #[must_use]
+    pub fn new(safe_mm: f64) -> Self {
         Self { moves: Vec::new(), safe_mm }
     }
 
     /// Where the tip is, if it is in a cut.
-    pub(super) fn place(&self) -> Option<DVec3> {
+    #[must_use]
+    pub fn place(&self) -> Option<DVec3> {
         self.moves.last().map(|last| last.to).filter(|at| at.z < self.safe_mm)
     }
 
@@ -45,35 +48,38 @@ impl MotionList {
         }
     }
 
-    pub(super) fn rapid(&mut self, to: DVec3) {
+    /// Goes fast.
+    pub fn rapid(&mut self, to: DVec3) {
         self.add(to, Pace::Rapid);
     }
 
-    pub(super) fn entry(&mut self, to: DVec3) {
+    /// Goes down towards the stock.
+    pub fn entry(&mut self, to: DVec3) {
         self.add(to, Pace::Entry);
     }
 
     /// Cuts from place to place.
-    pub(super) fn cut(&mut self, places: impl IntoIterator<Item = DVec3>) {
+    pub fn cut(&mut self, places: impl IntoIterator<Item = DVec3>) {
         places.into_iter().for_each(|to| self.add(to, Pace::Cut));
     }
 
     /// Up to the height of rapid moves.
-    pub(super) fn retract(&mut self) {
+    pub fn retract(&mut self) {
         if let Some(at) = self.place() {
             self.rapid(at.with_z(self.safe_mm));
         }
     }
 
     /// Over a place at the height of rapid moves, whence the tip goes down fast to `clear_mm`.
-    pub(super) fn over(&mut self, at: DVec3, clear_mm: f64) {
+    pub fn over(&mut self, at: DVec3, clear_mm: f64) {
         self.retract();
         self.rapid(at.with_z(self.safe_mm));
         self.rapid(at.with_z(clear_mm.min(self.safe_mm)));
     }
 
     /// All moves, with the tip at the height of rapid ones at their end.
-    pub(super) fn finish(mut self) -> Vec<TipMove> {
+    #[must_use]
+    pub fn finish(mut self) -> Vec<TipMove> {
         self.retract();
         self.moves
     }

@@ -12,7 +12,7 @@ use crate::machining::{
     plan_outlines,
 };
 use crate::mirror::Mirror;
-use crate::profile::{CutterLengths, ProgramSpec};
+use crate::profile::{CutterLengths, MillSpec};
 use serde::Serialize;
 
 /// Stepover of roughing over the ball's radius: 40 % of its diameter.
@@ -35,7 +35,7 @@ pub struct MillingTask<'a> {
     /// Its curvature.
     pub analysis: &'a SurfaceAnalysis<'a>,
     /// How it is asked for.
-    pub spec: &'a ProgramSpec,
+    pub spec: &'a MillSpec,
     /// Lines of finishing.
     pub raster: BallRaster,
     /// The block.

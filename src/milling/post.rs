@@ -48,7 +48,7 @@ fn begin(text: &mut String, header: &Header, operation: &Operation) {
         let _ = writeln!(text, "%\nO{NUMBER:04}");
     }
     for comment in header.comments {
-        let _ = writeln!(text, "({})", plain(comment));
+        let _ = writeln!(text, "({})", program_comment(comment));
     }
     let _ = writeln!(text, "G21 G90 G17 G40 G80 G94 {offset}");
     match header.control {
@@ -57,25 +57,27 @@ fn begin(text: &mut String, header: &Header, operation: &Operation) {
             let _ = writeln!(text, "T{NUMBER} M6\nG43 H{NUMBER}");
         }
         MillControl::Fanuc => {
-            let _ = writeln!(text, "T{NUMBER} M6\nG43 H{NUMBER} G0 Z{}", number(safe));
+            let _ = writeln!(text, "T{NUMBER} M6\nG43 H{NUMBER} G0 Z{}", program_number(safe));
         }
         MillControl::Grbl => {}
     }
     // Two seconds for the spindle; a Fanuc takes P for milliseconds.
     let dwell = if header.control == MillControl::Fanuc { "X2." } else { "P2" };
     let _ = writeln!(text, "S{} M3\nG4 {dwell}", operation.speeds.spindle_rpm.round());
-    let _ = writeln!(text, "G0 Z{}", number(safe));
+    let _ = writeln!(text, "G0 Z{}", program_number(safe));
 }
 
 /// A comment as controls read it: letters, figures and plain marks, in capitals.
-fn plain(comment: &str) -> String {
+#[must_use]
+pub fn program_comment(comment: &str) -> String {
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || " .,:+-/=".contains(*c);
     let kept: String = comment.chars().filter(is_plain).take(LONGEST).collect();
     kept.to_ascii_uppercase()
 }
 
 /// A number with its point, which a Fanuc needs to read millimetres.
-fn number(value: f64) -> String {
+#[must_use]
+pub fn program_number(value: f64) -> String {
     let text = format!("{value:.DECIMALS$}");
     let text = text.trim_end_matches('0');
     if text == "-0." { "0.".to_owned() } else { text.to_owned() }
@@ -99,7 +101,7 @@ impl MoveWriter {
         }
         let before = words.len();
         for (axis, (value, place)) in to.to_array().into_iter().zip(&mut self.place).enumerate() {
-            let value = number(value);
+            let value = program_number(value);
             if place.as_ref() != Some(&value) {
                 words.push(format!("{}{value}", ["X", "Y", "Z"][axis]));
                 *place = Some(value);

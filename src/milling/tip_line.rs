@@ -40,7 +40,8 @@ impl TipLine {
 }
 
 /// The places of a path of straight moves that are needed for it to stay within `chord_mm` (Douglas and Peucker's method).
-pub(super) fn thinned(places: &[DVec3], chord_mm: f64) -> Vec<DVec3> {
+#[must_use]
+pub fn thinned(places: &[DVec3], chord_mm: f64) -> Vec<DVec3> {
     let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
     let mut kept = vec![false; places.len()];
     kept[0] = true;

@@ -13,6 +13,7 @@ use crate::publish::FileError;
 use crate::raster::RasterError;
 use crate::solid::SolidError;
 use crate::tolerance::TracksError;
+use crate::turning::TurningError;
 use crate::unwrap::{MapEncodingError, UnwrapError};
 use crate::video::VideoError;
 use std::io;
@@ -85,6 +86,14 @@ pub enum Error {
         profile: String,
         /// Why.
         source: MillingError,
+    },
+    /// The mirror cannot be turned so.
+    #[error("cannot program {profile}: {source}")]
+    Turning {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        source: TurningError,
     },
     /// Symmetry is no shortcut for this mirror: a fault of the program.
     #[error(
@@ -209,7 +218,8 @@ pub enum Error {
     },
     /// A program without its cutter.
     #[error(
-        "{path}: a program does not tell the cutter; give --ball-mm, the radius of the ball whose tip it moves"
+        "{path}: a program does not tell the cutter; give --ball-mm, the radius of the ball whose tip it moves, or on a lathe --nose-mm, \
+         that of the tool's nose"
     )]
     Ball {
         /// The file.

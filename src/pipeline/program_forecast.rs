@@ -1,11 +1,11 @@
 //! What the programs of a profile will take and leave, by plan and study alone: no file is written.
 
 use super::Error;
-use super::program::{limits, refused, survey, task};
+use super::mill_program::{limits, refused, survey, task};
 use crate::design::Design;
 use crate::milling::{Operation, TipMove};
 use crate::num::stats::Summary;
-use crate::profile::Profile;
+use crate::profile::{MillSpec, Profile};
 use crate::program::ToolMove;
 
 /// What programs take and leave.
@@ -24,15 +24,15 @@ pub(crate) struct ProgramForecast {
 }
 
 impl ProgramForecast {
-    /// The programs of `profile`.
+    /// The programs of `profile` for a mill.
     ///
     /// # Errors
     /// [`Error::Milling`] where the mirror cannot be milled so.
-    pub(crate) fn new(profile: &Profile, design: &Design) -> Result<Self, Error> {
+    pub(crate) fn new(profile: &Profile, spec: &MillSpec, design: &Design) -> Result<Self, Error> {
         let refused = |why| refused(profile, why);
-        let survey = survey(profile, design).map_err(refused)?;
-        let operations = task(profile, design, &survey).operations().map_err(refused)?;
-        let machine = limits(profile);
+        let survey = survey(profile, spec, design).map_err(refused)?;
+        let operations = task(spec, design, &survey).operations().map_err(refused)?;
+        let machine = limits(spec);
         let minutes = |operation| machine.time(&tool_moves(operation)).minutes();
         let found = &survey.found;
         Ok(Self {

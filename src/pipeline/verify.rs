@@ -6,7 +6,7 @@ use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
 use super::step_export::compared;
 use super::verify_points::PointList;
-use super::verify_program::{CutFindings, Programmed, program_options, programmed};
+use super::verify_program::{CutFindings, ProgramTool, Programmed, program_options, programmed};
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
 use crate::brep::{Body, RigidMotion};
@@ -45,6 +45,8 @@ pub struct VerifyOptions {
     pub probe_mm: Option<f64>,
     /// Radius of the ball cutter that a program moves, mm; none of other files.
     pub ball_mm: Option<f64>,
+    /// Radius of the nose of the tool that a program of a lathe moves, mm; none of other files.
+    pub nose_mm: Option<f64>,
 }
 
 /// What a file to be verified is.
@@ -77,7 +79,7 @@ impl Command for Verify<'_> {
     type Report = VerifyReport;
 
     fn check(&self, _profile: &Profile) -> Result<(), Error> {
-        let VerifyOptions { units, align, probe_mm, ball_mm } = self.options;
+        let VerifyOptions { units, align, probe_mm, ball_mm, nose_mm } = self.options;
         let format = self.format()?;
         let declares_unit = match format {
             VerifiedFormat::Mesh(format) => codec(format).declares_unit(),
@@ -86,7 +88,7 @@ impl Command for Verify<'_> {
             VerifiedFormat::Program => true,
         };
         let is_program = matches!(format, VerifiedFormat::Program);
-        program_options(&self.name(), is_program, (align, ball_mm))?;
+        program_options(&self.name(), is_program, (align, [ball_mm, nose_mm]))?;
         if declares_unit && units.is_some() {
             return Err(Error::Declared { path: self.name() });
         }
@@ -333,8 +335,12 @@ impl Verify<'_> {
         let Part { run, design, .. } = part;
         let promise = Promise::exact();
         let file = FileFacts::of(&self.name(), "ngc", bytes);
-        let ball_mm = self.options.ball_mm.unwrap_or_default();
-        let (checked, cut) = match programmed(run, design, bytes, ball_mm)? {
+        let VerifyOptions { ball_mm, nose_mm, .. } = self.options;
+        let tool = match nose_mm {
+            Some(nose_mm) => ProgramTool::Nose(nose_mm),
+            None => ProgramTool::Ball(ball_mm.unwrap_or_default()),
+        };
+        let (checked, cut) = match programmed(run, design, bytes, tool)? {
             Programmed::Cut(checked, cut) => (checked, cut),
             Programmed::Unread(error) => {
                 let format = MeshFormat::Obj;
@@ -355,7 +361,7 @@ impl Verify<'_> {
 
     /// What the file is held to.
     fn held_to(&self) -> HeldTo {
-        match (self.options.align, self.options.ball_mm) {
+        match (self.options.align, self.options.ball_mm.or(self.options.nose_mm)) {
             (true, _) => HeldTo::Form,
             (false, Some(_)) => HeldTo::Picture,
             (false, None) => HeldTo::Design,

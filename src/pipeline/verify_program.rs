@@ -1,14 +1,16 @@
 //! A program of numerical control, from its bytes to a closed part as cut.
 
+use super::made_face::noted;
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::Precision;
-use crate::program::{ProgramFault, ToolPath};
+use crate::program::{ProgramFault, ToolPath, TurningPath};
 use crate::results::{CuttingFault, ProgramFacts};
 use crate::solid::Solid;
-use crate::verdict::{CheckedMesh, ProgramCut};
+use crate::turning::Meridian;
+use crate::verdict::{CheckedMesh, ProgramCut, turned_cut};
 
 /// What is found of a program beside the picture.
 #[derive(Default)]
@@ -31,36 +33,45 @@ pub(super) enum Programmed {
     Faulty(CuttingFault),
 }
 
-/// Reads a program and cuts the mirror of `design` with a ball along its moves.
+/// The tool that a program moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum ProgramTool {
+    /// A ball cutter on a mill: its radius, mm.
+    Ball(f64),
+    /// The nose of a tool on a lathe: its radius, mm.
+    Nose(f64),
+}
+
+/// Reads a program and cuts the mirror of `design` with a tool along its moves.
 ///
 /// # Errors
-/// [`Error::Solid`] when the face as cut cannot be closed.
+/// [`Error::Turning`] of a lathe's program for a mirror that is not round.
 pub(super) fn programmed(
     run: &Run,
     design: &Design,
     bytes: &[u8],
-    ball_mm: f64,
+    tool: ProgramTool,
 ) -> Result<Programmed, Error> {
-    let read = run.timer.always(Stage::Read, || {
-        let path = ToolPath::read(bytes);
-        let note = match &path {
-            Ok(path) => format!("{} moves in {} lines", path.moves.len(), path.lines),
-            Err(error) => error.to_string(),
-        };
-        (path, note)
-    });
-    let path = match read {
-        Ok(path) => path,
-        Err(fault) => return Ok(Programmed::Unread(fault)),
+    let cut = match tool {
+        ProgramTool::Ball(ball_mm) => {
+            let path = match read(run, || ToolPath::read(bytes), |path| path) {
+                Ok(path) => path,
+                Err(fault) => return Ok(Programmed::Unread(fault)),
+            };
+            run.timer.always(Stage::Cut, || noted(ProgramCut::new(design, &path, ball_mm)))
+        }
+        ProgramTool::Nose(nose_mm) => {
+            let profile = run.profile.name.clone();
+            let meridian = Meridian::new(&design.mirror)
+                .map_err(|source| Error::Turning { profile, source })?;
+            let path = match read(run, || TurningPath::read(bytes), |path| &path.tool) {
+                Ok(path) => path,
+                Err(fault) => return Ok(Programmed::Unread(fault)),
+            };
+            let turned = || noted(turned_cut(design, &meridian, &path, nose_mm));
+            run.timer.always(Stage::Cut, turned)
+        }
     };
-    let cut = run.timer.always(Stage::Cut, || {
-        let cut = ProgramCut::new(design, &path, ball_mm);
-        let note = match &cut {
-            Ok(cut) => format!("{} optical triangles", cut.mesh.triangles.len()),
-            Err(fault) => fault.to_string(),
-        };
-        (cut, note)
-    });
     let ProgramCut { mesh, facts, faults, warning } = match cut {
         Ok(cut) => cut,
         Err(fault) => return Ok(Programmed::Faulty(fault)),
@@ -76,27 +87,51 @@ pub(super) fn programmed(
     Ok(Programmed::Cut(Box::new(checked), CutFindings { program, faults, warning }))
 }
 
+/// Reads a program, whose moves are told.
+fn read<P>(
+    run: &Run,
+    read: impl FnOnce() -> Result<P, ProgramFault>,
+    moves: impl FnOnce(&P) -> &ToolPath,
+) -> Result<P, ProgramFault> {
+    run.timer.always(Stage::Read, || {
+        let path = read();
+        let note = match &path {
+            Ok(path) => {
+                let ToolPath { moves, lines } = moves(path);
+                format!("{} moves in {lines} lines", moves.len())
+            }
+            Err(error) => error.to_string(),
+        };
+        (path, note)
+    })
+}
+
 /// Holds the options of programs to what the file is.
 ///
 /// # Errors
-/// [`Error::Ball`] of a program without a ball, [`Error::Option`] of options that do not go with the file.
+/// [`Error::Ball`] of a program without a tool, [`Error::Option`] of options that do not go with the file.
 pub(super) fn program_options(
     name: &str,
     is_program: bool,
-    (align, ball_mm): (bool, Option<f64>),
+    (align, [ball_mm, nose_mm]): (bool, [Option<f64>; 2]),
 ) -> Result<(), Error> {
     let option = |option, must: &str, found: String| {
         Err(Error::Option { option, must: must.to_owned(), found })
     };
-    match ball_mm {
+    let (key, radius, tool_mm) = match nose_mm {
+        Some(_) => ("--nose-mm", "the radius of the tool's nose, positive and finite", nose_mm),
+        None => ("--ball-mm", "the radius of the ball cutter, positive and finite", ball_mm),
+    };
+    match tool_mm {
         None if is_program => Err(Error::Ball { path: name.to_owned() }),
         Some(mm) if !is_program => {
-            option("--ball-mm", "left out but for a program", format!("{mm} with {name}"))
+            option(key, "left out but for a program", format!("{mm} with {name}"))
         }
-        Some(mm) if !(mm > 0.0 && mm.is_finite()) => option(
+        Some(mm) if !(mm > 0.0 && mm.is_finite()) => option(key, radius, mm.to_string()),
+        Some(_) if ball_mm.is_some() && nose_mm.is_some() => option(
             "--ball-mm",
-            "the radius of the ball cutter, positive and finite",
-            mm.to_string(),
+            "left out with --nose-mm: a program is a mill's or a lathe's",
+            "both".to_owned(),
         ),
         _ if is_program && align => option(
             "--align",

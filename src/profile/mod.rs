@@ -18,6 +18,7 @@ mod lines;
 mod mesh_goal;
 mod obstacle;
 mod program;
+mod program_words;
 mod projection;
 mod reader;
 mod sag;
@@ -28,6 +29,7 @@ mod shipped;
 mod source;
 mod sweep;
 pub mod tolerance;
+mod turning;
 mod values;
 mod vector_map;
 mod words;
@@ -52,9 +54,9 @@ pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
 pub use program::{
-    CutterLengths, FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec,
-    StockMaterial, WorkOffset,
+    CutterLengths, FinishingSpec, MachineSpec, MillSpec, ProgramSpec, RoughingSpec, SpeedsSpec,
 };
+pub use program_words::{MillControl, StockMaterial, WorkOffset};
 pub use projection::{
     AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,
     StripSpec,
@@ -72,6 +74,7 @@ pub use sweep::{
     SweepCommand, SweepSpec,
 };
 pub use tolerance::Tolerance;
+pub use turning::{LatheControl, LatheSpec, NoseSpec, TurnSpec, TurnedFinishSpec, TurnedRoughSpec};
 pub use vector_map::{VectorMap, VectorMapError};
 
 /// What has the bytes of a file that a profile names, if they are not more than so many, or why they cannot be had.
@@ -145,7 +148,7 @@ pub struct Profile {
     pub step: StepProtocol,
     /// What a drawing says beside its figures.
     pub drawing: DrawingSpec,
-    /// How the mirror is milled.
+    /// How the mirror is milled or turned.
     pub program: ProgramSpec,
     /// The limits a finished mirror must keep to pass.
     pub accept: AcceptanceSpec,

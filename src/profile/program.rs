@@ -1,10 +1,55 @@
-//! How the mirror is milled: `[program]`, with usual values in place of what is absent.
+//! How the mirror is milled or turned: `[program]`, with usual values in place of what is absent.
 
-use serde::{Deserialize, Serialize};
+use super::program_words::{MillControl, StockMaterial, WorkOffset};
+use super::turning::TurnSpec;
+
+/// The machine that makes the mirror, and how: `program.machine`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ProgramSpec {
+    /// A mill of three axes: `"mill3"`.
+    Mill(MillSpec),
+    /// A lathe: `"turn"`.
+    Turn(TurnSpec),
+}
+
+impl ProgramSpec {
+    /// What mills the mirror; none of a lathe.
+    #[must_use]
+    pub fn mill(&self) -> Option<&MillSpec> {
+        match self {
+            Self::Mill(spec) => Some(spec),
+            Self::Turn(_) => None,
+        }
+    }
+
+    /// The same to change.
+    pub fn mill_mut(&mut self) -> Option<&mut MillSpec> {
+        match self {
+            Self::Mill(spec) => Some(spec),
+            Self::Turn(_) => None,
+        }
+    }
+
+    /// What is polished off the face, um; none of a mirror that is used as it comes off the machine.
+    #[must_use]
+    pub fn polish_um(&self) -> Option<f64> {
+        match self {
+            Self::Mill(spec) => spec.finishing.polish_um,
+            Self::Turn(spec) => spec.finishing.polish_um,
+        }
+    }
+}
+
+impl Default for ProgramSpec {
+    /// A light mill.
+    fn default() -> Self {
+        Self::Mill(MillSpec::default())
+    }
+}
 
 /// How the mirror is milled by ball cutters on three axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProgramSpec {
+pub struct MillSpec {
     /// What the stock is of.
     pub material: StockMaterial,
     /// What the control reads.
@@ -100,88 +145,7 @@ pub struct MachineSpec {
     pub holder_diameter_mm: f64,
 }
 
-/// What the stock is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum StockMaterial {
-    /// Wrought alloys.
-    Aluminium,
-    /// Free-cutting brass.
-    Brass,
-    /// Cast acrylic.
-    Pmma,
-    /// Machining wax.
-    Wax,
-}
-
-/// What a control reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum MillControl {
-    /// LinuxCNC.
-    Linuxcnc,
-    /// Grbl and its relatives.
-    Grbl,
-    /// Fanuc and what reads its programs.
-    Fanuc,
-}
-
-/// Offset of a zero point: the number of its word, G54 to G59.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WorkOffset(u8);
-
-impl WorkOffset {
-    /// All, in the order of their numbers.
-    pub const ALL: [Self; 6] = [Self(54), Self(55), Self(56), Self(57), Self(58), Self(59)];
-
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self.0 {
-            54 => "G54",
-            55 => "G55",
-            56 => "G56",
-            57 => "G57",
-            58 => "G58",
-            _ => "G59",
-        }
-    }
-}
-
-impl StockMaterial {
-    /// All.
-    pub const ALL: [Self; 4] = [Self::Aluminium, Self::Brass, Self::Pmma, Self::Wax];
-
-    /// Its name in a profile.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Aluminium => "aluminium",
-            Self::Brass => "brass",
-            Self::Pmma => "pmma",
-            Self::Wax => "wax",
-        }
-    }
-}
-
-impl MillControl {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::Linuxcnc, Self::Grbl, Self::Fanuc];
-
-    /// Its name in a profile.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linuxcnc => "linuxcnc",
-            Self::Grbl => "grbl",
-            Self::Fanuc => "fanuc",
-        }
-    }
-}
-
-impl ProgramSpec {
+impl MillSpec {
     /// Lengths of the cutter that roughs, which finishes too where it has no ball of its own.
     #[must_use]
     pub fn rough_lengths(&self) -> CutterLengths {
@@ -192,13 +156,13 @@ impl ProgramSpec {
     }
 }
 
-impl Default for ProgramSpec {
+impl Default for MillSpec {
     /// A ball of 3 mm radius with two teeth in aluminium, on a light mill.
     fn default() -> Self {
         Self {
             material: StockMaterial::Aluminium,
             control: MillControl::Linuxcnc,
-            work_offset: WorkOffset(54),
+            work_offset: WorkOffset::FIRST,
             stock_mm: 1.0,
             finishing: FinishingSpec {
                 ball_mm: 3.0,

@@ -2,9 +2,11 @@
 //!
 //! - [`ToolPath::read`] reads the RS-274 text (G code): modal words to straight moves of the tool's tip, arcs as chords.
 //!   What it does not know it refuses by line and name: nothing is skipped.
+//! - [`TurningPath::read`] reads that of lathes: moves in a half-plane, and the turns of the spindle meanwhile.
 //! - [`SweptBall`] is what a ball cutter along those moves leaves: the lowest place of all balls over each place of the plan.
 //! - [`StockMap`] is a block that is cut move by move: rapid moves that meet what is left are found, and what is highest beside the
 //!   cutter, of which its shank and its holder are to stay clear.
+//! - [`TurnedSurface`] is what a nose leaves on a lathe at each azimuth, and [`TurnedBar`] a bar that is turned move by move.
 //! - [`MachineLimits`] tells the time of moves with their starts, stops and corners.
 //!
 //! The room knows no mirror and no profile, so what it finds of a program is of the program alone.
@@ -12,19 +14,27 @@
 mod arc;
 mod band_heights;
 mod coverage;
+mod lathe;
+mod lathe_words;
+mod lines;
 mod machine_time;
 mod modal;
 mod reader;
 mod stock_beside;
 mod stock_map;
 mod swept_ball;
+mod turned_bar;
+mod turned_surface;
 mod words;
 
 pub use coverage::PathCoverage;
+pub use lathe::TurningPath;
 pub use machine_time::{MachineLimits, MachineTime};
 pub use stock_beside::StockBeside;
 pub use stock_map::{HeldCutter, MovedInto, StockMap, StockMoves};
 pub use swept_ball::{SweptBall, SweptPlace};
+pub use turned_bar::{BarMoves, TurnedBar, nose_below};
+pub use turned_surface::{SectionPlace, TurnedSection, TurnedSurface};
 
 use crate::geom::DVec3;
 use thiserror::Error;

@@ -25,6 +25,8 @@ pub(super) struct ControlState {
     /// Feed, mm/min.
     pub feed: Option<f64>,
     pub place: [Option<f64>; 3],
+    /// What a unit of the words of X, Y and Z is along the axis: a half where X is a diameter.
+    pub scale: [f64; 3],
 }
 
 impl ControlState {
@@ -38,6 +40,7 @@ impl ControlState {
             unit_mm: 1.0,
             feed: None,
             place: [None; 3],
+            scale: [1.0; 3],
         }
     }
 
@@ -49,7 +52,9 @@ impl ControlState {
     ) -> Result<[Option<f64>; 3], ProgramFault> {
         let mut target = self.place;
         for (k, axis) in axes.into_iter().enumerate() {
-            let Some(value) = axis.map(|value| value * self.unit_mm) else { continue };
+            let Some(value) = axis.map(|value| value * self.unit_mm * self.scale[k]) else {
+                continue;
+            };
             target[k] = match (self.is_relative, self.place[k]) {
                 (false, _) => Some(value),
                 (true, Some(before)) => Some(before + value),

@@ -1,50 +1,22 @@
-//! RS-274 text to moves.
+//! A line of RS-274 text: its words by what they mean, and the moves that follow from them.
 
 use super::arc::{Arc, ArcPlane};
+use super::lathe_words::LatheWords;
 use super::modal::{ControlState, Motion};
-use super::words::{Word, words};
-use super::{ProgramFault, ToolMove, ToolPath};
+use super::words::Word;
+use super::{ProgramFault, ToolMove};
 use crate::geom::DVec3;
 
-/// Most moves that are kept.
-const MOST: usize = 5_000_000;
 /// The largest number of a place, a radius or a feed: a kilometre, or as much a minute.
 const LARGEST: f64 = 1e6;
 /// Millimetres to an inch.
 const INCH: f64 = 25.4;
 
-impl ToolPath {
-    /// The moves of a program: the tip of the tool in its work offset, mm.
-    ///
-    /// Known are G0 to G4, G17 to G21, G28, G30, G40, G43, G49, G53 to G59, G61, G61.1, G64, G80, G90, G90.1, G91, G91.1, G94 and
-    /// G97; M0 to M9, M30, M48 and M49; F, H, I, J, K, N, O, P, R, S, T, X, Y and Z. Tool lengths and work offsets are the
-    /// machine's: places are those of the tip in the offset that is chosen. Corners are taken as they are written, whatever
-    /// G64 lets a control round.
-    ///
-    /// # Errors
-    /// [`ProgramFault`] with the line of what is not known, or contradicts itself.
-    pub fn read(bytes: &[u8]) -> Result<Self, ProgramFault> {
-        let text = std::str::from_utf8(bytes)
-            .map_err(|error| ProgramFault::Text { byte: error.valid_up_to() })?;
-        let mut path = Self::default();
-        let mut state = ControlState::new();
-        for (k, text) in text.lines().enumerate() {
-            let line = u32::try_from(k + 1).unwrap_or(u32::MAX);
-            path.lines = line;
-            let block = Block::new(line, &words(line, text)?)?;
-            block.run(&mut state, &mut path.moves)?;
-            if path.moves.len() > MOST {
-                return Err(ProgramFault::Many { line, most: MOST });
-            }
-            if block.ends {
-                break;
-            }
-        }
-        if !path.moves.iter().any(|step| step.feed.is_some()) {
-            return Err(ProgramFault::Empty);
-        }
-        Ok(path)
-    }
+/// Whose words a program has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Vocabulary {
+    Mill,
+    Lathe,
 }
 
 /// A command of a line that is not a mode.
@@ -60,7 +32,7 @@ enum Special {
 
 /// The words of a line, by what they mean.
 #[derive(Debug, Default)]
-struct Block {
+pub(super) struct LineWords {
     line: u32,
     motion: Option<Motion>,
     special: Option<Special>,
@@ -74,15 +46,37 @@ struct Block {
     centre: [Option<f64>; 3],
     radius: Option<f64>,
     ends: bool,
+    /// What lathes alone have; none of a mill's.
+    lathe: Option<LatheWords>,
 }
 
-impl Block {
-    fn new(line: u32, words: &[Word]) -> Result<Self, ProgramFault> {
-        let mut block = Self { line, ..Self::default() };
+impl LineWords {
+    pub(super) fn new(
+        line: u32,
+        words: &[Word],
+        vocabulary: Vocabulary,
+    ) -> Result<Self, ProgramFault> {
+        let lathe = (vocabulary == Vocabulary::Lathe).then(LatheWords::default);
+        let mut block = Self { line, lathe, ..Self::default() };
         for &word in words {
             block.add(word)?;
         }
         Ok(block)
+    }
+
+    /// Its line, from 1.
+    pub(super) fn line(&self) -> u32 {
+        self.line
+    }
+
+    /// What lathes alone have.
+    pub(super) fn lathe(&self) -> Option<&LatheWords> {
+        self.lathe.as_ref()
+    }
+
+    /// X of a dwell, if it is one.
+    pub(super) fn dwell(&self) -> Option<Option<f64>> {
+        (self.special == Some(Special::Dwell)).then_some(self.axes[0])
     }
 
     fn fault<T>(&self, reason: String) -> Result<T, ProgramFault> {
@@ -94,6 +88,7 @@ impl Block {
         let slot = match letter {
             'G' => return self.add_preparatory(word),
             'M' => return self.add_miscellaneous(word),
+            'Y' | 'J' if self.lathe.is_some() => return Err(self.unknown(word)),
             'X' => &mut self.axes[0],
             'Y' => &mut self.axes[1],
             'Z' => &mut self.axes[2],
@@ -102,6 +97,10 @@ impl Block {
             'K' => &mut self.centre[2],
             'R' => &mut self.radius,
             'F' => &mut self.feed,
+            'S' | 'D' | 'P' if self.lathe.is_some() => {
+                let added = self.lathe.as_mut().map(|lathe| lathe.add_number(letter, number));
+                return added.unwrap_or(Ok(())).or_else(|reason| self.fault(reason));
+            }
             // Numbers of lines, programs, tools and offsets, speeds, times.
             'N' | 'O' | 'H' | 'T' | 'S' | 'P' => return Ok(()),
             _ => return Err(self.unknown(word)),
@@ -122,6 +121,11 @@ impl Block {
     }
 
     fn add_preparatory(&mut self, word: Word) -> Result<(), ProgramFault> {
+        let lathe = self.lathe.as_mut().zip(tenths(word.number));
+        let added = lathe.map_or(Ok(false), |(lathe, tenths)| lathe.add_mode(tenths));
+        if added.or_else(|reason| self.fault(reason))? {
+            return Ok(());
+        }
         let motion = |motion| (Some(motion), None);
         let (motion, special) = match tenths(word.number) {
             Some(0) => motion(Motion::Rapid),
@@ -164,6 +168,9 @@ impl Block {
     }
 
     fn add_miscellaneous(&mut self, word: Word) -> Result<(), ProgramFault> {
+        if let (Some(lathe), Some(code @ (30 | 40 | 50))) = (&mut self.lathe, tenths(word.number)) {
+            lathe.turns = Some(code != 50);
+        }
         match tenths(word.number) {
             Some(20 | 300) => self.ends = true,
             // Stops, spindle, tool change, coolant, overrides.
@@ -173,12 +180,22 @@ impl Block {
         Ok(())
     }
 
-    fn has_axes(&self) -> bool {
+    /// Whether it ends the program.
+    pub(super) fn ends(&self) -> bool {
+        self.ends
+    }
+
+    /// Whether it tells a place.
+    pub(super) fn has_axes(&self) -> bool {
         self.axes.iter().any(Option::is_some)
     }
 
     /// Sets modes, and moves.
-    fn run(&self, state: &mut ControlState, moves: &mut Vec<ToolMove>) -> Result<(), ProgramFault> {
+    pub(super) fn run(
+        &self,
+        state: &mut ControlState,
+        moves: &mut Vec<ToolMove>,
+    ) -> Result<(), ProgramFault> {
         state.unit_mm = self.unit_mm.unwrap_or(state.unit_mm);
         state.plane = self.plane.unwrap_or(state.plane);
         state.is_relative = self.is_relative.unwrap_or(state.is_relative);
@@ -300,6 +317,7 @@ fn tenths(number: f64) -> Option<u32> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ToolPath;
     use super::*;
 
     fn read(text: &str) -> ToolPath {

@@ -1,9 +1,9 @@
-//! Programs that mill a mirror, in words.
+//! Programs that mill or turn a mirror, in words.
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::fact_rows::{errors_sentence, ray_counts};
 use super::maps::left_map;
-use super::milling_plots::{speeds_figure, times_figure};
+use super::milling_plots::{section_figure, speeds_figure, times_figure};
 use super::page::{map_figure, page_of};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
@@ -11,20 +11,35 @@ use crate::results::{
     three_digits,
 };
 
+/// What is left on a mirror after a program.
+pub enum LeftPicture {
+    /// From above, of a mill.
+    Map(FalseColourMap),
+    /// Along the radius, of a lathe: distance from the axis (mm), the least and the most (um).
+    Section(Vec<[f64; 3]>),
+}
+
 impl ProgramReport {
-    /// `program.html`, with the maps of what is left and of pixel errors, and the speeds in equal parts of the time of each
+    /// `program.html`, with pictures of what is left and of pixel errors, and the speeds in equal parts of the time of each
     /// operation.
     ///
     /// # Errors
     /// What the encoder of pictures reports.
     pub fn html(
         &self,
-        left: &[(String, FalseColourMap)],
+        left: &[(String, LeftPicture)],
         errors: Option<&FalseColourMap>,
         speeds_mm_min: &[Vec<f64>],
     ) -> Result<String, EncodingError> {
         let mut figures = Vec::new();
-        for (operation, map) in left {
+        for (operation, picture) in left {
+            let map = match picture {
+                LeftPicture::Map(map) => map,
+                LeftPicture::Section(section) => {
+                    figures.push(section_figure(operation, section));
+                    continue;
+                }
+            };
             let caption = format!(
                 "The face from above, each square {} mm wide, after {operation}: what its program, read back, leaves \
                  along the mirror's normal. Grey is where less than 0.1 um is left.",
@@ -63,20 +78,25 @@ impl Answer for ProgramReport {
         let mut rows = AnswerRows::default();
         let Self { material, control, work_offset, stock, .. } = self;
         let [x, y, z] = stock.size_mm;
+        let size = match self.is_turned() {
+            true => format!("a bar of {x:.1} mm diameter, {z:.1} mm high"),
+            false => format!("{x:.1} x {y:.1} x {z:.1} mm"),
+        };
         rows.add(
             "stock",
             format!(
-                "{}, {x:.1} x {y:.1} x {z:.1} mm: {} mm over the part on its sides and on top",
+                "{}, {size}: {} mm over the part on its sides and on top",
                 material.name(),
                 stock.allowance_mm
             ),
         );
+        let middle = match self.is_turned() {
+            true => "X0 on the spindle's axis, X a diameter",
+            false => "X0 Y0 below the camera's axis, in the middle of the mirror",
+        };
         rows.add(
             "zero",
-            format!(
-                "{work_offset}: X0 Y0 below the camera's axis, in the middle of the mirror; Z0 on the part's base ({})",
-                control.name()
-            ),
+            format!("{work_offset}: {middle}; Z0 on the part's base ({})", control.name()),
         );
         self.operations.iter().for_each(|operation| operation.add_to(&mut rows));
         rows.add("time", format!("{} min on the machine", three_digits(self.machine_min)));
@@ -85,7 +105,9 @@ impl Answer for ProgramReport {
         let [x, y, z] = self.travel_mm;
         rows.details(|rows| {
             rows.add("travel", format!("{x:.1} x {y:.1} x {z:.1} mm"));
-            rows.add("direction", format!("{:.2} deg from X", self.angle_deg));
+            if let Some(angle_deg) = self.angle_deg {
+                rows.add("direction", format!("{angle_deg:.2} deg from X"));
+            }
         });
         if let Some(program) = &self.program {
             rows.details(|rows| program.add_to(rows));
@@ -96,18 +118,33 @@ impl Answer for ProgramReport {
 }
 
 impl ProgramReport {
-    /// A row for each ball, with the most that its operations need.
+    /// Whether the programs are those of a lathe.
+    fn is_turned(&self) -> bool {
+        self.holder_diameter_mm.is_none()
+    }
+
+    /// A row for each ball, with the most that its operations need; of a lathe how far the tool reaches.
     fn add_cutters(&self, rows: &mut AnswerRows) {
-        let mut balls: Vec<f64> = self.operations.iter().map(|done| done.ball_mm).collect();
+        let Some(holder_mm) = self.holder_diameter_mm else {
+            if let Some(nose_mm) = self.operations.first().and_then(|done| done.nose_mm) {
+                let reach = 0.1 * f64::ceil(10.0 * self.reach_mm);
+                let words = format!(
+                    "nose of {nose_mm} mm radius, {reach:.1} mm below the bar's top at most"
+                );
+                rows.add("tool", words);
+            }
+            return;
+        };
+        let mut balls: Vec<f64> = self.operations.iter().filter_map(|done| done.ball_mm).collect();
         balls.dedup();
         for ball_mm in balls {
-            let of_ball = || self.operations.iter().filter(|done| done.ball_mm == ball_mm);
+            let of_ball = || self.operations.iter().filter(|done| done.ball_mm == Some(ball_mm));
             let longest = |length: fn(&OperationFacts) -> Option<LengthFacts>| {
                 let lengths = of_ball().filter_map(length);
                 lengths.reduce(|a, b| if b.least_mm > a.least_mm { b } else { a })
             };
             let flute = length_words("teeth", longest(|done| done.flute), "long");
-            let holder = format!("out of a holder of {} mm diameter", self.holder_diameter_mm);
+            let holder = format!("out of a holder of {holder_mm} mm diameter");
             let stickout = length_words("", longest(|done| done.stickout), &holder);
             rows.add("cutter", format!("ball of {ball_mm} mm radius, {flute},{stickout}"));
         }
@@ -159,10 +196,10 @@ fn length_words(before: &str, length: Option<LengthFacts>, after: &str) -> Strin
 
 impl ToRows for OperationFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let Self { operation, file, ball_mm, stepover_mm, levels, speeds, .. } = self;
-        let lines = match levels {
-            1 => format!("lines {} mm apart", three_digits(*stepover_mm)),
-            _ => format!("{levels} levels, lines {} mm apart", three_digits(*stepover_mm)),
+        let Self { operation, file, levels, speeds, .. } = self;
+        let levels = match levels {
+            1 => String::new(),
+            _ => format!("{levels} levels, "),
         };
         let left = self.left.map_or(String::new(), |left| {
             let LeftFacts { least_um, most_um, .. } = left;
@@ -171,8 +208,8 @@ impl ToRows for OperationFacts {
         rows.add(
             operation.name(),
             format!(
-                "{file}: ball of {ball_mm} mm radius, {lines}, {} mm/min at {} rpm; {} min{left}",
-                speeds.feed_mm_min,
+                "{file}: {} at {} rpm; {} min{left}",
+                self.tool_words(&levels),
                 speeds.spindle_rpm,
                 three_digits(self.machine_min)
             ),
@@ -188,5 +225,21 @@ impl ToRows for OperationFacts {
                 ),
             );
         });
+    }
+}
+
+impl OperationFacts {
+    /// The tool, the levels, what is between its lines, and the feed.
+    fn tool_words(&self, levels: &str) -> String {
+        let Self { ball_mm, stepover_mm, nose_mm, feed_mm_rev, .. } = self;
+        let ball = ball_mm.zip(*stepover_mm).map(|(ball_mm, stepover_mm)| {
+            let apart = three_digits(stepover_mm);
+            let feed = self.speeds.feed_mm_min;
+            format!("ball of {ball_mm} mm radius, {levels}lines {apart} mm apart, {feed} mm/min")
+        });
+        let nose = nose_mm.zip(*feed_mm_rev).map(|(nose_mm, feed_mm)| {
+            format!("nose of {nose_mm} mm radius, {levels}{feed_mm} mm in a turn")
+        });
+        ball.or(nose).unwrap_or_default()
     }
 }

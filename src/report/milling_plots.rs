@@ -4,6 +4,9 @@ use super::page::Figure;
 use super::plot::{Anchor, Axis, Diagram, Ink, Plot, Stroke};
 use crate::results::{OperationFacts, three_digits};
 
+/// Places along a plot of what is left: as many as it has units of width.
+const PLACES: usize = 440;
+
 /// Width of a plot, and height of one of speeds, units.
 const WIDTH: f64 = 440.0;
 const HEIGHT: f64 = 220.0;
@@ -73,6 +76,42 @@ pub(super) fn speeds_figure(operation: &OperationFacts, speeds_mm_min: &[f64]) -
         caption: format!(
             "Over the time of the program. {share} % of it runs at the feed; above it are rapid moves, below it corners and the ends \
              of moves, where the machine's acceleration holds it back."
+        ),
+    }
+}
+
+/// What a program of a lathe leaves along the radius: distance from the axis (mm), the least and the most of all azimuths (um).
+pub(super) fn section_figure(operation: &str, section: &[[f64; 3]]) -> Figure {
+    // Of places that are nearer to each other than the plot shows, the extremes.
+    let part = section.len().div_ceil(PLACES).max(1);
+    let parts: Vec<[f64; 3]> = section
+        .chunks(part)
+        .map(|places| {
+            let low = places.iter().map(|place| place[1]).fold(f64::INFINITY, f64::min);
+            let high = places.iter().map(|place| place[2]).fold(f64::NEG_INFINITY, f64::max);
+            [places[0][0], low, high]
+        })
+        .collect();
+    let ends = |k: usize| {
+        let all = || parts.iter().map(|place| place[k]);
+        [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let [left, right] = ends(0);
+    let [low, high] = [ends(1)[0].min(0.0), ends(2)[1].max(f64::MIN_POSITIVE)];
+    let x = Axis::linear([left, right], "distance from the axis, mm");
+    let y = Axis::linear([low, high + 0.1 * (high - low)], "left, um");
+    let mut diagram = Diagram::new(WIDTH, HEIGHT);
+    let mut plot = Plot::new(&mut diagram, &x, &y);
+    for (ink, k) in [(Ink::Red, 2), (Ink::Blue, 1)] {
+        plot.line(Stroke::solid(ink, 1.0), parts.iter().map(|place| [place[0], place[k]]));
+    }
+    let title = format!("Left after {operation}, um");
+    Figure {
+        body: diagram.svg(&title),
+        title,
+        caption: format!(
+            "Along the radius: the most (upper line) and the least (lower line) of all azimuths that the program of {operation}, read back, leaves \
+             along the mirror's normal. Cusps between turns lie between both."
         ),
     }
 }

@@ -41,6 +41,7 @@ pub use build_figures::{BuildFigures, PartFigures};
 pub use inspection::inspection_csv;
 pub use inspection_sheet::{InspectionMap, inspection_sheet};
 pub use maps::{curl_map, design_error_map, form_map, gouge_map, pixel_error_map, spot_map};
+pub use milling::LeftPicture;
 #[cfg(feature = "studio")]
 pub(crate) use page::{MapLetter, STYLE, THREE, VIEWER, map_letters};
 pub(crate) use plot::{

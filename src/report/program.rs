@@ -5,11 +5,14 @@ use crate::results::{CutDeparture, ProgramFacts, three_digits};
 
 impl ToRows for ProgramFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let Self { ball_mm, lines, moves, cutting_mm, rapid_mm, cutting_min, .. } = self;
+        let Self { ball_mm, nose_mm, lines, moves, cutting_mm, rapid_mm, cutting_min, .. } = self;
+        let ball = ball_mm.map(|mm| format!("a ball of {mm} mm radius"));
+        let nose = nose_mm.map(|mm| format!("a nose of {mm} mm radius"));
+        let tool = ball.or(nose).unwrap_or_default();
         rows.add(
             "program",
             format!(
-                "{lines} lines, {:.2} m of cuts, {} min at the feeds alone; cut by a ball of {ball_mm} mm radius",
+                "{lines} lines, {:.2} m of cuts, {} min at the feeds alone; cut by {tool}",
                 1e-3 * cutting_mm,
                 three_digits(*cutting_min)
             ),
@@ -21,14 +24,17 @@ impl ToRows for ProgramFacts {
         rows.add("least left", depth(&self.lowest));
         let Self { apart_mm, angle_deg, parallel, optical_triangles, .. } = self;
         rows.details(|rows| {
-            rows.add(
-                "lines",
-                format!(
-                    "{} mm apart in the mean, {angle_deg:.2} deg from X ({:.0} % agree)",
-                    three_digits(*apart_mm),
-                    100.0 * parallel
-                ),
-            );
+            let apart = format!("{} mm apart in the mean", three_digits(*apart_mm));
+            match angle_deg.zip(*parallel) {
+                Some((angle_deg, parallel)) => {
+                    let agree = 100.0 * parallel;
+                    rows.add(
+                        "lines",
+                        format!("{apart}, {angle_deg:.2} deg from X ({agree:.0} % agree)"),
+                    );
+                }
+                None => rows.add("turns", apart),
+            }
             let moves = format!("{moves} straight moves; {:.2} m of rapid ones", 1e-3 * rapid_mm);
             rows.add("moves", moves);
             rows.add("as cut", format!("{optical_triangles} optical triangles"));

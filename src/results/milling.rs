@@ -1,4 +1,4 @@
-//! Programs that mill a mirror, and what they leave.
+//! Programs that mill or turn a mirror, and what they leave.
 
 use super::{AsCutFacts, FileFacts, ProfileId, ProgramFacts, Reason, StockFacts, Verdict};
 use crate::milling::{OperationKind, Speeds};
@@ -7,7 +7,7 @@ use crate::profile::{AcceptanceLimits, MillControl, StockMaterial};
 use crate::trace::FrameFill;
 use serde::Serialize;
 
-/// Programs that mill a mirror: `program.json`.
+/// Programs that mill or turn a mirror: `program.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProgramReport {
@@ -21,19 +21,21 @@ pub struct ProgramReport {
     pub control: MillControl,
     /// The offset whose zero is on the part's base, below the camera's axis.
     pub work_offset: String,
-    /// The block.
+    /// The block, or the box around the bar.
     pub stock: StockFacts,
-    /// Direction of the lines from X towards Y, degrees.
-    pub angle_deg: f64,
+    /// Direction of the lines from X towards Y, degrees; none of a lathe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
     /// The operations, in their order, each a program.
     pub operations: Vec<OperationFacts>,
     /// Time of all programs on the machine, minutes.
     pub machine_min: f64,
     /// Least length of a cutter out of its holder, mm: the depth from the stock's top to the lowest place of a tip.
     pub reach_mm: f64,
-    /// Diameter of the holder, mm.
-    pub holder_diameter_mm: f64,
-    /// What the programs travel along X, Y and Z, mm.
+    /// Diameter of the holder, mm; none of a lathe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holder_diameter_mm: Option<f64>,
+    /// What the programs travel along X, Y and Z, mm; on a lathe X is the distance from the axis, and Y is 0.
     pub travel_mm: [f64; 3],
     /// What the study of the finishing raster foresees of its scallops, pixels.
     #[serde(serialize_with = "or_null")]
@@ -65,10 +67,18 @@ pub struct OperationFacts {
     pub operation: OperationKind,
     /// Its program.
     pub file: String,
-    /// Radius of the ball, mm.
-    pub ball_mm: f64,
-    /// Distance of its lines in the plan, mm.
-    pub stepover_mm: f64,
+    /// Radius of the ball, mm; none of a lathe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ball_mm: Option<f64>,
+    /// Distance of its lines in the plan, mm; none of a lathe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stepover_mm: Option<f64>,
+    /// Radius of the tool's nose, mm; none of a mill.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nose_mm: Option<f64>,
+    /// Feed in a turn of the spindle, mm; none of a mill.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed_mm_rev: Option<f64>,
     /// Levels; 1 of what follows the surface.
     pub levels: usize,
     /// What it is to leave on the mirror, mm.

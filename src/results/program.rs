@@ -2,12 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A program, and the face that a ball cutter leaves along its moves.
+/// A program, and the face that a ball cutter, or a nose on a lathe, leaves along its moves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProgramFacts {
-    /// Radius of the ball cutter, mm.
-    pub ball_mm: f64,
+    /// Radius of the ball cutter, mm; none of a lathe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ball_mm: Option<f64>,
+    /// Radius of the tool's nose on a lathe, mm; none of a mill.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nose_mm: Option<f64>,
     /// Lines of the program.
     pub lines: u32,
     /// Straight moves, with the chords of its arcs.
@@ -18,12 +22,15 @@ pub struct ProgramFacts {
     pub rapid_mm: f64,
     /// Time of the cutting moves at their feeds without starts and stops, minutes.
     pub cutting_min: f64,
-    /// Distance from line to line over the face in the plan, mm: that of even lines, else the mean one.
+    /// Distance from line to line over the face in the plan, mm: that of even lines, else the mean one; on a lathe the mean distance of
+    /// the turns.
     pub apart_mm: f64,
-    /// Direction of most lines from X towards Y, degrees.
-    pub angle_deg: f64,
-    /// How much the lines agree in it: 1 where all are parallel.
-    pub parallel: f64,
+    /// Direction of most lines from X towards Y, degrees; none of a lathe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+    /// How much the lines agree in it: 1 where all are parallel; none of a lathe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parallel: Option<f64>,
     /// Facets of the face as cut.
     pub optical_triangles: usize,
     /// Most material that is left on the mirror, along its normal.

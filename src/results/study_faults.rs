@@ -149,8 +149,8 @@ pub enum CuttingFault {
     },
     /// More is left than is polished off.
     #[error(
-        "{found_um:.2} um are left at X {:.3}, Y {:.3} mm, over the {limit_um} um of program.polish_um; take a smaller stepover or a \
-         larger ball", at_mm[0], at_mm[1]
+        "{found_um:.2} um are left at X {:.3}, Y {:.3} mm, over the {limit_um} um of program.polish_um; take a smaller stepover or feed, \
+         or a larger ball or nose", at_mm[0], at_mm[1]
     )]
     Unpolished {
         /// What is left, um.

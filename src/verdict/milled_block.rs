@@ -27,13 +27,17 @@ pub(crate) fn stepover_for_picture(
     analysis: &SurfaceAnalysis,
     raster: &BallRaster,
 ) -> Option<f64> {
+    analysis.stepover_for_limits(raster, room_for_picture(profile, design)?)
+}
+
+/// What the profile's limits leave for scallops beside the design, RMS and largest, px; none without a projection.
+pub(crate) fn room_for_picture(profile: &Profile, design: &Design) -> Option<[f64; 2]> {
     let own = design.facts.pixel_error_px?;
     let limits = profile.acceptance_limits();
     let [rms, max] = [limits.pixel_error_rms_px.value, limits.pixel_error_max_px.value];
     let room = |left: f64, limit: f64| SHARE * left.max(LEAST_SHARE * limit);
     let rms_px = room((rms * rms - own.rms * own.rms).max(0.0).sqrt(), rms);
-    let max_px = room(max - own.max, max);
-    analysis.stepover_for_limits(raster, [rms_px, max_px])
+    Some([rms_px, room(max - own.max, max)])
 }
 
 /// A block in the course of its programs.

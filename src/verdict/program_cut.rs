@@ -125,15 +125,16 @@ impl ProgramCut {
         let faults = faults.into_iter().chain(below).collect();
         let [cutting_mm, rapid_mm] = path.lengths_mm();
         let facts = ProgramFacts {
-            ball_mm: swept.radius_mm(),
+            ball_mm: Some(swept.radius_mm()),
+            nose_mm: None,
             lines: path.lines,
             moves: path.moves.len(),
             cutting_mm,
             rapid_mm,
             cutting_min: path.cutting_min(),
             apart_mm: coverage.apart_mm,
-            angle_deg: degrees(coverage.angle),
-            parallel: coverage.parallel,
+            angle_deg: Some(degrees(coverage.angle)),
+            parallel: Some(coverage.parallel),
             optical_triangles: mesh.triangles.len(),
             highest: extreme(1.0),
             lowest: extreme(-1.0),

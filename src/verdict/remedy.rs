@@ -35,7 +35,7 @@ pub(crate) fn add_as_cut(reasons: &mut [Reason]) {
         matches!(reason.kind, ReasonKind::Picture(PictureFault::PixelError { .. }))
     };
     if let Some(reason) = reasons.iter_mut().find(is_off) {
-        let way_out = "scallops displace the picture: polish the mirror, or mill it with a larger ball or a smaller stepover";
+        let way_out = "scallops displace the picture: polish the mirror, or cut it with a larger ball or nose, a smaller stepover or feed";
         reason.way_out = Some(way_out.to_owned());
     }
 }

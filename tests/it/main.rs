@@ -72,6 +72,7 @@ mod sweep;
 mod targets;
 mod tolerance;
 mod tracing;
+mod turning;
 mod unchanged;
 mod unwrap;
 mod verdicts;

@@ -6,12 +6,16 @@ use morion::internals::milling::OperationKind;
 use morion::internals::pipeline::{
     Command, Error, MachiningOptions, OutputFile, ProgramOptions, Silent, Verify, VerifyOptions,
 };
-use morion::internals::profile::{MillControl, Profile};
+use morion::internals::profile::{MillControl, MillSpec, Profile};
 use morion::internals::program::ToolPath;
 use morion::internals::results::{OperationFacts, ProgramReport, ReasonKind, Verdict};
 
 /// From line to line of finishing, mm.
 const STEPOVER_MM: f64 = 0.3;
+
+fn mill(profile: &mut Profile) -> &mut MillSpec {
+    profile.program.mill_mut().unwrap()
+}
 
 fn milled(profile: &Profile) -> (ProgramReport, Vec<OutputFile>) {
     ProgramOptions.in_memory(profile, &Silent).unwrap_or_else(|error| panic!("{error}"))
@@ -44,8 +48,8 @@ fn cutting_faults(report: &ProgramReport) -> Vec<String> {
 fn programs_leave_what_they_are_to_leave() {
     for name in ["conquistador", "hyperbolic", "panoramic"] {
         let mut profile = shipped(name);
-        profile.program.finishing.stepover_mm = Some(STEPOVER_MM);
-        profile.program.roughing.allowance_mm = 0.4;
+        mill(&mut profile).finishing.stepover_mm = Some(STEPOVER_MM);
+        mill(&mut profile).roughing.allowance_mm = 0.4;
         let (report, files) = milled(&profile);
         assert_eq!(cutting_faults(&report), [""; 0], "{name}");
         let left = |kind: usize| report.operations[kind].left.unwrap();
@@ -59,7 +63,7 @@ fn programs_leave_what_they_are_to_leave() {
         let options = MachiningOptions {
             ball_mm: 3.0,
             stepover_mm: Some(STEPOVER_MM),
-            angle_deg: Some(report.angle_deg),
+            angle_deg: report.angle_deg,
             ..MachiningOptions::default()
         };
         let foreseen = options.in_memory(&profile, &Silent).unwrap().0;
@@ -94,8 +98,8 @@ fn small(more: &str) -> Profile {
 #[ignore = "long: .ci/nightly"]
 fn no_line_goes_through_the_mirror_where_it_is_interrupted() {
     let mut profile = shipped("driver");
-    profile.program.finishing.stepover_mm = Some(times(2, 1) as f64);
-    profile.program.finishing.polish_um = Some(times(400, 100) as f64);
+    mill(&mut profile).finishing.stepover_mm = Some(times(2, 1) as f64);
+    mill(&mut profile).finishing.polish_um = Some(times(400, 100) as f64);
     let (report, _) = milled(&profile);
     assert_eq!(cutting_faults(&report), [""; 0]);
 }
@@ -129,10 +133,10 @@ fn every_control_reads_the_same_moves_and_a_digit_spoils_them() {
         // Lines that are farther apart are sooner cut, and displace the picture in proportion.
         let mut profile = small("ball_mm = 1.5\nstepover_mm = 0.12");
         let coarser = times(5, 2) as f64 / 2.0;
-        profile.program.finishing.stepover_mm = Some(0.12 * coarser);
+        mill(&mut profile).finishing.stepover_mm = Some(0.12 * coarser);
         profile.accept.pixel_error_rms_px = Some(4.0 * coarser);
         profile.accept.pixel_error_max_px = Some(12.0 * coarser);
-        profile.program.control = control;
+        mill(&mut profile).control = control;
         let (report, files) = milled(&profile);
         assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
         let programs = OperationKind::ALL.map(|kind| text(&files, &format!("{}.ngc", kind.name())));
@@ -185,7 +189,7 @@ fn a_polished_face_is_held_to_its_scallops() {
     let highest = report.program.as_ref().unwrap().highest.off_um;
     assert!(highest > 1.5 && highest <= 4.0, "{highest}");
     assert!(report.as_cut.unwrap().trace.errors.pixel_error_px.unwrap().rms > 0.1);
-    profile.program.finishing.stepover_mm = Some(0.6);
+    mill(&mut profile).finishing.stepover_mm = Some(0.6);
     let (report, _) = milled(&profile);
     let said = cutting_faults(&report).concat();
     assert!(said.contains("over the 4 um of program.polish_um"), "{said}");

@@ -260,6 +260,10 @@ def all_outputs(to, folder):
     to.must("sweep", "sweep", "study.toml", files=[("sweep", "out/sweep/study/sweep.json")])
     to.must("shard", "sweep", "study.toml", "--shard", "1/2")
     to.must("bench", "bench", "round.toml", "--quick", "--suggest", "3px")
+    (to.home / "turned.toml").write_text(ROUND + '\n[program]\nmachine = "turn"\nfeed_mm_rev = 0.2\n')
+    to.must("program", "program", "turned.toml", files=[("program", "out/turned/program/program.json")])
+    turned = "out/turned/program/finishing.ngc"
+    to.must("verify", "verify", turned, "--profile", "turned.toml", "--nose-mm", "0.8")
     to.must("build", "build", "strip.toml", "round.toml", lines=True)
     to.must("dry-run", "build", "strip.toml", "round.toml", "--dry-run", lines=True)
     to.must("dry-run", "build", *shipped, "--dry-run", lines=True)

@@ -1,4 +1,4 @@
-"""Programs of mills: the ends of their moves, by LinuxCNC's interpreter and by their words alone."""
+"""Programs of mills and lathes: the ends of their moves, by LinuxCNC's interpreter and by their words alone."""
 
 import re
 import subprocess
@@ -17,16 +17,18 @@ def interpreted(path):
 
 def written(path):
     """The same by the words of the program alone; None for what it has not told yet."""
-    place, mode, ends = [None] * 3, None, []
+    # A lathe has no Y, and with G7 X is a diameter.
+    is_lathe = any("G7" in line.split() for line in path.read_text().splitlines())
+    place, mode, ends = [None, 0.0 if is_lathe else None, None], None, []
     for line in path.read_text().splitlines():
         if line.startswith("("):
             continue
-        words = WORD.findall(line)
+        words = [] if "G4" in line.split() else WORD.findall(line)
         for letter, value in words:
             if letter == "G" and float(value) in (0, 1):
                 mode = int(value)
             elif letter in "XYZ":
-                place["XYZ".index(letter)] = float(value)
+                place["XYZ".index(letter)] = float(value) * (0.5 if is_lathe and letter == "X" else 1.0)
         if any(letter in "XYZ" for letter, _ in words):
             ends.append((mode == 1, tuple(place)))
     return ends

@@ -16,6 +16,7 @@ mod obstacle;
 mod panels;
 mod posed_target;
 mod program;
+mod program_table;
 mod projection;
 mod reach;
 mod sag;
@@ -23,6 +24,7 @@ mod shell;
 mod table;
 mod target;
 mod tolerance;
+mod turning;
 mod view;
 
 use sha2::{Digest, Sha256};
@@ -128,7 +130,7 @@ pub(super) fn profile(
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
     let step = export.as_ref().map(|export| limits::step(reader, export));
     let drawing = drawing::read(reader, &root);
-    let program = program::read(reader, &root);
+    let program = program::read(reader, &root, parts.layout().as_ref());
     let accept = limits::accept(reader, &root, parts.bare);
     let setting = tolerance::Setting {
         camera: parts.camera.as_ref().and_then(|found| found.camera),

@@ -1,34 +1,94 @@
-//! How the mirror is milled: `[program]`.
+//! How the mirror is milled or turned: `[program]`.
 
+use super::super::Layout;
 use super::super::program::{
-    CutterLengths, FinishingSpec, MachineSpec, MillControl, ProgramSpec, RoughingSpec, SpeedsSpec,
-    StockMaterial, WorkOffset,
+    CutterLengths, FinishingSpec, MachineSpec, MillSpec, ProgramSpec, RoughingSpec, SpeedsSpec,
 };
+use super::super::program_words::MillControl;
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, NumbersFormat, number, numbers, word};
+use super::super::values::{Located, number, word};
+use super::program_table::ProgramTable;
 
-/// `[program]`; the usual values where there is none.
-pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> ProgramSpec {
+/// `[program]` of a mirror with this layout, if that is known; a mill's usual values where there is none.
+pub(super) fn read(
+    reader: &mut ProfileReader,
+    root: &Section,
+    layout: Option<&Layout>,
+) -> ProgramSpec {
     let usual = ProgramSpec::default();
     let Some(section) = reader.section(root, "program", Optional) else { return usual };
-    let materials = StockMaterial::ALL.map(|material| (material.name(), material));
-    let hint = "it sets feeds, speeds and levels that are usual";
-    let material = word(reader, &section, "material", &materials, hint);
+    let machines = [("mill3", MachineKind::Mill), ("turn", MachineKind::Turn)];
+    let hint = "a mill of three axes, or a lathe for mirrors that are round";
+    let kind = word(reader, &section, "machine", &machines, hint).unwrap_or(MachineKind::Mill);
+    kind.refuse_others(reader, &section);
+    match kind {
+        MachineKind::Mill => ProgramSpec::Mill(mill(reader, &section)),
+        MachineKind::Turn => {
+            super::turning::suits(reader, &section, layout);
+            ProgramSpec::Turn(super::turning::read(reader, &section))
+        }
+    }
+}
+
+/// A machine that has keys of its own.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum MachineKind {
+    Mill,
+    Turn,
+}
+
+/// Keys that only a mill has.
+const MILL_KEYS: &[&str] = &[
+    "ball_mm",
+    "stepover_mm",
+    "angle_deg",
+    "flute_mm",
+    "shank_diameter_mm",
+    "stickout_mm",
+    "rough_ball_mm",
+    "rough_flute_mm",
+    "rough_shank_diameter_mm",
+    "rough_stickout_mm",
+    "teeth",
+    "feed_mm_min",
+    "rough_feed_mm_min",
+    "max_feed_mm_min",
+    "holder_diameter_mm",
+];
+/// Keys that only a lathe has.
+const LATHE_KEYS: &[&str] =
+    &["nose_mm", "inner_edge_deg", "outer_edge_deg", "feed_mm_rev", "rough_feed_mm_rev"];
+
+impl MachineKind {
+    /// Complains of keys of other machines.
+    fn refuse_others(self, reader: &mut ProfileReader, section: &Section) {
+        let (keys, own, other, instead) = match self {
+            Self::Mill => (LATHE_KEYS, "a mill", "turn", "a mill has ball_mm and stepover_mm"),
+            Self::Turn => (MILL_KEYS, "a lathe", "mill3", "a lathe has nose_mm and feed_mm_rev"),
+        };
+        let must = format!("left out of programs for {own}");
+        for key in keys {
+            let Some(value) = reader.value(section, key, Optional, &must, "") else { continue };
+            let found = reader.quote_type(value);
+            let message = format!("program.{key} must be {must}, found {found}");
+            let hint = format!("{key} goes with machine = \"{other}\"; {instead}");
+            reader.complain(value.span().start, message, &hint);
+        }
+    }
+}
+
+fn mill(reader: &mut ProfileReader, section: &Section) -> MillSpec {
+    let usual = MillSpec::default();
     let controls = MillControl::ALL.map(|control| (control.name(), control));
     let hint = "what the mill's control reads";
-    let control = word(reader, &section, "control", &controls, hint);
-    let offsets = WorkOffset::ALL.map(|offset| (offset.name(), offset));
-    let hint = "the offset whose zero is on the part's base";
-    let work_offset = word(reader, &section, "work_offset", &offsets, hint);
-    let mut table = Table { reader, section: &section };
-    let hint = "what the stock stands over the part, as in stock_mm = 1";
-    let stock = table.figure("stock_mm", [0.0, 100.0], hint);
-    ProgramSpec {
-        material: material.unwrap_or(usual.material),
+    let control = word(reader, section, "control", &controls, hint);
+    let mut table = ProgramTable { reader, section };
+    MillSpec {
+        material: table.material().unwrap_or(usual.material),
         control: control.unwrap_or(usual.control),
-        work_offset: work_offset.unwrap_or(usual.work_offset),
-        stock_mm: stock.map_or(usual.stock_mm, |mm| mm.value),
+        work_offset: table.work_offset().unwrap_or(usual.work_offset),
+        stock_mm: table.stock().unwrap_or(usual.stock_mm),
         finishing: table.finishing(usual.finishing),
         roughing: table.roughing(usual.roughing),
         speeds: table.speeds(usual.speeds),
@@ -43,24 +103,8 @@ const FINISHING_LENGTHS: [&str; 3] = ["flute_mm", "shank_diameter_mm", "stickout
 const ROUGHING_LENGTHS: [&str; 3] =
     ["rough_flute_mm", "rough_shank_diameter_mm", "rough_stickout_mm"];
 
-/// The table, and who complains of it.
-struct Table<'r, 'f, 's, 't> {
-    reader: &'r mut ProfileReader<'f>,
-    section: &'s Section<'t>,
-}
-
-impl Table<'_, '_, '_, '_> {
-    /// A number between limits.
-    fn figure(&mut self, key: &str, [least, most]: [f64; 2], hint: &str) -> Option<Located<f64>> {
-        let must = format!("a number from {least} to {most}");
-        let allowed = |f: f64| (least..=most).contains(&f);
-        number(self.reader, self.section, key, Optional, &must, hint, allowed)
-    }
-
-    fn value(&mut self, key: &str, range: [f64; 2], hint: &str) -> Option<f64> {
-        self.figure(key, range, hint).map(|figure| figure.value)
-    }
-
+/// What a mill alone has.
+impl ProgramTable<'_, '_, '_, '_> {
     fn finishing(&mut self, usual: FinishingSpec) -> FinishingSpec {
         let hint = "the radius of the ball, as in ball_mm = 3";
         let ball_mm = self.value("ball_mm", [LEAST_BALL_MM, 1000.0], hint).unwrap_or(usual.ball_mm);
@@ -73,16 +117,11 @@ impl Table<'_, '_, '_, '_> {
             );
             self.reader.complain(at, message, hint);
         }
-        let hint = "the height of what stays between lines, as in scallop_um = 2";
-        let scallop_um = self.value("scallop_um", [1e-3, 1000.0], hint);
-        let hint = "the pixel error that 95 % of the face may have, as in budget_px = 2";
-        let budget_px = self.value("budget_px", [1e-3, 1000.0], hint);
+        let (scallop_um, budget_px) = (self.scallop(), self.budget());
         let hint = "the direction of the lines from X towards Y, as in angle_deg = 90";
         let angle_deg = self.value("angle_deg", [-180.0, 180.0], hint);
-        let hint = "what straight moves may be off the path, as in chord_um = 1";
-        let chord_um = self.value("chord_um", [0.01, 100.0], hint).unwrap_or(usual.chord_um);
-        let hint = "what is polished off the milled face, as in polish_um = 10";
-        let polish_um = self.value("polish_um", [0.01, 1000.0], hint);
+        let chord_um = self.chord().unwrap_or(usual.chord_um);
+        let polish_um = self.polish();
         let stepover_mm = stepover.map(|mm| mm.value);
         FinishingSpec {
             ball_mm,
@@ -99,10 +138,7 @@ impl Table<'_, '_, '_, '_> {
     fn roughing(&mut self, usual: RoughingSpec) -> RoughingSpec {
         let hint = "the radius of the ball that roughs, as in rough_ball_mm = 4";
         let ball_mm = self.value("rough_ball_mm", [LEAST_BALL_MM, 1000.0], hint);
-        let hint = "what roughing leaves, as in allowance_mm = 0.3";
-        let allowance = self.value("allowance_mm", [0.01, 10.0], hint);
-        let hint = "from level to level of roughing, as in stepdown_mm = 1";
-        let stepdown_mm = self.value("stepdown_mm", [0.01, 100.0], hint);
+        let (allowance, stepdown_mm) = (self.allowance(), self.stepdown());
         RoughingSpec {
             ball_mm,
             allowance_mm: allowance.unwrap_or(usual.allowance_mm),
@@ -149,23 +185,15 @@ impl Table<'_, '_, '_, '_> {
         let feed_mm_min = self.value("feed_mm_min", [1.0, 1e5], hint);
         let hint = "the feed of roughing, as in rough_feed_mm_min = 600";
         let rough_feed_mm_min = self.value("rough_feed_mm_min", [1.0, 1e5], hint);
-        let hint = "the speed of the spindle, as in spindle_rpm = 12000";
-        let spindle_rpm = self.value("spindle_rpm", [1.0, 1e6], hint);
+        let spindle_rpm = self.spindle(12_000);
         let teeth = teeth.map_or(usual.teeth, |teeth| teeth.value as u32);
         SpeedsSpec { teeth, feed_mm_min, rough_feed_mm_min, spindle_rpm }
     }
 
     fn machine(&mut self, usual: MachineSpec) -> MachineSpec {
-        let hint = "the speed of rapid moves, as in rapid_mm_min = 5000";
-        let rapid = self.value("rapid_mm_min", [10.0, 1e6], hint);
+        let [rapid, spindle, acceleration, safe] = self.axes(24_000);
         let hint = "the machine's largest feed, as in max_feed_mm_min = 3000";
         let feed = self.value("max_feed_mm_min", [10.0, 1e6], hint);
-        let hint = "the spindle's largest speed, as in max_spindle_rpm = 24000";
-        let spindle = self.value("max_spindle_rpm", [10.0, 1e6], hint);
-        let hint = "the acceleration of the axes, as in acceleration_mm_s2 = 500";
-        let acceleration = self.value("acceleration_mm_s2", [1.0, 1e6], hint);
-        let hint = "the height of rapid moves over the stock, as in safe_mm = 5";
-        let safe = self.value("safe_mm", [0.1, 1000.0], hint);
         let hint = "the diameter of the holder or of its nut, as in holder_diameter_mm = 42";
         let holder = self.value("holder_diameter_mm", [0.1, 1000.0], hint);
         MachineSpec {
@@ -173,24 +201,10 @@ impl Table<'_, '_, '_, '_> {
             max_feed_mm_min: feed.unwrap_or(usual.max_feed_mm_min),
             max_spindle_rpm: spindle.unwrap_or(usual.max_spindle_rpm),
             acceleration_mm_s2: acceleration.unwrap_or(usual.acceleration_mm_s2),
-            travel_mm: self.travel(),
+            travel_mm: self
+                .travel(["the machine's travels [X, Y, Z]", "as in travel_mm = [300, 200, 80]"]),
             safe_mm: safe.unwrap_or(usual.safe_mm),
             holder_diameter_mm: holder.unwrap_or(usual.holder_diameter_mm),
         }
-    }
-
-    fn travel(&mut self) -> Option<[f64; 3]> {
-        if !self.section.has("travel_mm") {
-            return None;
-        }
-        let format = NumbersFormat {
-            key: "travel_mm",
-            parts: "the machine's travels [X, Y, Z]",
-            each: "a number from 1 to 100000",
-            form: "as in travel_mm = [300, 200, 80]",
-            limit: "how far the machine's axes travel",
-        };
-        let allowed = |mm: f64| (1.0..=1e5).contains(&mm);
-        numbers(self.reader, self.section, &format, allowed).map(|found| found.value)
     }
 }

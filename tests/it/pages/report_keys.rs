@@ -19,6 +19,12 @@ part = { width_mm = 20, base_mm = 2 }
 mesh.facet_px = 3
 export.formats = [\"stl\"]
 ";
+/// Programs of a lathe.
+const LATHE: &str = "program = { machine = \"turn\", nose_mm = 1, feed_mm_rev = 0.2 }\n";
+
+/// A program that faces a bar to a plane.
+const FACING: &str = "G8 G95 G97 S500 M3\nG0 X14 Z9\nG1 X-1 F0.2\nG4 P1\nG0 Z20\nM2\n";
+
 /// A mirror that is given, without a projection.
 const GIVEN: &str = "\
 camera.orthographic.pixels = [160, 120]
@@ -122,6 +128,7 @@ impl Runs {
             ("valley", edited(SMALL, &[valley]) + unmet + BLIND),
             ("given", GIVEN.into()),
             ("round", ROUND.into()),
+            ("turned", format!("{ROUND}{LATHE}")),
             ("obstructed", format!("{ROUND}{LEG}")),
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
@@ -250,6 +257,8 @@ fn the_page_of_reports_has_every_key() {
     reports.push(runs.printed(points));
     std::fs::write(runs.path("plane.nc"), plane()).unwrap();
     reports.push(runs.printed("verify plane.nc --profile all.toml --ball-mm 4"));
+    std::fs::write(runs.path("facing.nc"), FACING).unwrap();
+    reports.push(runs.printed("verify facing.nc --profile round.toml --nose-mm 1"));
     let headings = ["## `report.json` of a build", "## `report.json` of a verified file"];
     hold(REPORT, &headings, &reports);
     hold(REPORT, &["## `timings.json`"], &[runs.file("out/all/timings.json")]);
@@ -288,8 +297,8 @@ fn the_page_of_studies_has_every_key() {
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
-    let milled = ["program all.toml", "program obstructed.toml"].map(|it| runs.printed(it));
-    hold(STUDIES, &["## `program.json`"], &milled);
+    let programs = ["program all.toml", "program obstructed.toml", "program turned.toml"];
+    hold(STUDIES, &["## `program.json`"], &programs.map(|it| runs.printed(it)));
     hold(STUDIES, &["## `drawing.json`"], &[runs.printed("drawing rimmed.toml")]);
     hold(STUDIES, &["## `inspection.json`"], &[runs.printed("inspect all.toml")]);
     hold(STUDIES, &["## `sweep.json`"], &[runs.printed("sweep study.toml")]);

@@ -1,0 +1,86 @@
+//! What programs of mills and lathes choose among: material, control, offset of the zero point.
+
+use serde::{Deserialize, Serialize};
+
+/// What the stock is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum StockMaterial {
+    /// Wrought alloys.
+    Aluminium,
+    /// Free-cutting brass.
+    Brass,
+    /// Cast acrylic.
+    Pmma,
+    /// Machining wax.
+    Wax,
+}
+
+/// What a control reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum MillControl {
+    /// LinuxCNC.
+    Linuxcnc,
+    /// Grbl and its relatives.
+    Grbl,
+    /// Fanuc and what reads its programs.
+    Fanuc,
+}
+
+/// Offset of a zero point: the number of its word, G54 to G59.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorkOffset(u8);
+
+impl WorkOffset {
+    /// The first, which controls begin with.
+    pub const FIRST: Self = Self(54);
+    /// All, in the order of their numbers.
+    pub const ALL: [Self; 6] = [Self(54), Self(55), Self(56), Self(57), Self(58), Self(59)];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            54 => "G54",
+            55 => "G55",
+            56 => "G56",
+            57 => "G57",
+            58 => "G58",
+            _ => "G59",
+        }
+    }
+}
+
+impl StockMaterial {
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Aluminium, Self::Brass, Self::Pmma, Self::Wax];
+
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aluminium => "aluminium",
+            Self::Brass => "brass",
+            Self::Pmma => "pmma",
+            Self::Wax => "wax",
+        }
+    }
+}
+
+impl MillControl {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Linuxcnc, Self::Grbl, Self::Fanuc];
+
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linuxcnc => "linuxcnc",
+            Self::Grbl => "grbl",
+            Self::Fanuc => "fanuc",
+        }
+    }
+}
