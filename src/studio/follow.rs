@@ -11,9 +11,9 @@ use crate::results::ToldError;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
-/// A text, and what is changed in it.
+/// A request to follow a change: a text, and what is changed in it.
 #[derive(Debug, Deserialize)]
-pub(super) struct Change {
+pub(super) struct FollowRequest {
     /// Name of the profile.
     name: String,
     /// The text before.
@@ -33,8 +33,8 @@ impl Studio {
     ///
     /// # Errors
     /// [`RequestFailure`] where an edit cannot be made; nothing of the text is changed then.
-    pub(super) fn follow(&self, change: Change) -> Result<Content, RequestFailure> {
-        let Change { name, text, edits, sketch } = change;
+    pub(super) fn follow(&self, request: FollowRequest) -> Result<Content, RequestFailure> {
+        let FollowRequest { name, text, edits, sketch } = request;
         let text = edits.iter().try_fold(text, |text, edit| edit.made(&text));
         let source = Source { name, text: text.map_err(RequestFailure::of_text)? };
         let profile = source.profile();
