@@ -83,7 +83,7 @@ fn every_command_fits_a_terminal() {
         "verify out/small/inspection.csv --profile small.toml --align -v",
         "sweep study.toml",
         "sweep study.toml --shard 1/2",
-        "sweep small.toml",
+        "sweep no-such-study",
         "profiles",
         "build no-such-profile",
         "render small.toml --scene no-such-scene",

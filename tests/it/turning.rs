@@ -90,8 +90,10 @@ fn errors_fall_with_the_feed() {
         (error, report.program.unwrap().highest.off_um)
     });
     for pair in found.windows(2) {
-        let [error, height] = [pair[0].0 / pair[1].0, pair[0].1 / pair[1].1];
-        assert!((1.85..2.15).contains(&error) && (3.8..4.2).contains(&height), "{found:?}");
+        let error = pair[0].0 / pair[1].0;
+        // (The moves themselves are off by as much as their chord, um.)
+        let height_um = pair[1].1 - 0.25 * pair[0].1;
+        assert!((1.85..2.15).contains(&error) && height_um.abs() < 0.05, "{found:?}");
     }
 }
 

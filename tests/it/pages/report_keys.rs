@@ -268,12 +268,15 @@ fn the_page_of_reports_has_every_key() {
     hold(REPORT, &["### `morion render`"], &[render]);
     std::fs::write(runs.path("pose.json"), r#"{"profile": {"sha256": "another"}}"#).unwrap();
     let photo = "unwrap out/round/render-grid.png --profile round.toml --map";
+    std::fs::create_dir(runs.path("photos")).unwrap();
+    std::fs::copy(runs.path("out/round/render-grid.png"), runs.path("photos/a.png")).unwrap();
     let unwrapped = [
         runs.printed(&format!("{photo} npy")),
         runs.printed(&format!("{photo} exr")),
         runs.printed("unwrap out/all/preview.png --profile all.toml --cuts"),
         runs.printed(&format!("{photo} npy --view 0,30,60 --pose pose.json")),
         runs.printed(&format!("{photo} npy --ground 100")),
+        runs.printed("unwrap photos --profile round.toml"),
     ];
     hold(REPORT, &["### `morion unwrap`"], &unwrapped);
 }
