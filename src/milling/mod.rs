@@ -22,6 +22,7 @@ mod post;
 mod stock_block;
 mod surface_lines;
 mod tip_line;
+mod travel;
 
 pub use cutting_data::Speeds;
 pub use levels::level_cuts;
@@ -29,7 +30,8 @@ pub use motions::{MotionList, Pace, TipMove};
 pub use operation::{MillingTask, Operation, OperationKind};
 pub use post::{Header, program_comment, program_number, program_text};
 pub use stock_block::StockBlock;
-pub use tip_line::thinned;
+pub use tip_line::{distance_from_move, thinned};
+pub use travel::TravelExceeded;
 
 use crate::geom::DVec2;
 use crate::machining::MachiningError;
@@ -73,18 +75,8 @@ pub enum MillingError {
         has_rim: bool,
     },
     /// The machine is too small.
-    #[error(
-        "the programs travel {needed_mm:.1} mm along {axis}, and program.travel_mm has {travel_mm} mm: take a larger machine, a smaller \
-         part, or less program.stock_mm or safe_mm"
-    )]
-    Travel {
-        /// The axis.
-        axis: &'static str,
-        /// What the programs need, mm.
-        needed_mm: f64,
-        /// What there is, mm.
-        travel_mm: f64,
-    },
+    #[error(transparent)]
+    Travel(#[from] TravelExceeded),
     /// More moves than a program may have.
     #[error(
         "{what} would take about {count:.1e} moves, over {most:.0e}: take a larger program.{key}"

@@ -48,7 +48,7 @@ pub fn thinned(places: &[DVec3], chord_mm: f64) -> Vec<DVec3> {
     kept[last] = true;
     let mut parts = vec![[0, last]];
     while let Some([from, to]) = parts.pop() {
-        let off = |k: usize| distance(places[k], [places[from], places[to]]);
+        let off = |k: usize| distance_from_move(places[k], [places[from], places[to]]);
         let farthest = (from + 1..to).map(|k| (off(k), k)).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, k)) = farthest.filter(|(off, _)| *off > chord_mm) {
             kept[k] = true;
@@ -59,7 +59,8 @@ pub fn thinned(places: &[DVec3], chord_mm: f64) -> Vec<DVec3> {
 }
 
 /// Distance of a place from a straight move.
-fn distance(at: DVec3, [from, to]: [DVec3; 2]) -> f64 {
+#[must_use]
+pub fn distance_from_move(at: DVec3, [from, to]: [DVec3; 2]) -> f64 {
     let way = to - from;
     let length = way.length_squared();
     let share = if length > 0.0 { ((at - from).dot(way) / length).clamp(0.0, 1.0) } else { 0.0 };
@@ -79,7 +80,7 @@ mod tests {
         assert!(few.len() > 5 && few.len() < 60, "{}", few.len());
         assert_eq!((few[0], few[few.len() - 1]), (arc[0], arc[1000]));
         for at in &arc {
-            let off = few.windows(2).map(|pair| distance(*at, [pair[0], pair[1]]));
+            let off = few.windows(2).map(|pair| distance_from_move(*at, [pair[0], pair[1]]));
             assert!(off.fold(f64::INFINITY, f64::min) <= 1e-2);
         }
         assert_eq!(thinned(&arc[..1], 1.0), arc[..1]);

@@ -1,6 +1,7 @@
 //! Programs that mill a profile's mirror, read back and cut.
 
 use super::made_face::{MadeFace, PagePictures, noted};
+use super::program_travel::travelled;
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
@@ -8,7 +9,7 @@ use crate::machining::{BallRaster, SurfaceAnalysis};
 use crate::milling::{Header, MillingError, MillingTask, Operation, StockBlock, program_text};
 use crate::num::rounding::floor_four_digits;
 use crate::profile::{CutterLengths, FinishingSpec, MillSpec, Profile};
-use crate::program::{MachineLimits, MachineTime, ToolMove, ToolPath};
+use crate::program::{MachineLimits, MachineTime, ToolPath};
 use crate::report::LeftPicture;
 use crate::results::{FileFacts, FileFault, OperationFacts, ProgramReport, Reason, SCHEMA};
 use crate::verdict::{
@@ -68,7 +69,10 @@ pub(super) fn milled(
             ((), operation.kind.name().to_owned())
         });
     }
-    measured(run.profile, &task, &shop, &mut report)?;
+    let moves = shop.read.iter().flatten().flat_map(|path| &path.moves);
+    let travel_mm = spec.machine.travel_mm.unwrap_or([f64::INFINITY; 3]);
+    travelled(&mut report, moves, task.stock.top_mm, travel_mm)
+        .map_err(|why| refused(run.profile, why))?;
     let ball_mm = spec.finishing.ball_mm;
     let face = shop.read.last().and_then(Option::as_ref).map(|path| MadeFace {
         cut: run.timer.always(Stage::Cut, || noted(ProgramCut::new(design, path, ball_mm))),
@@ -294,34 +298,4 @@ impl Shop {
         self.speeds_mm_min.push(speeds_mm_min);
         self.read.push(Some(path));
     }
-}
-
-/// What the programs travel, and how far a cutter stands out.
-///
-/// # Errors
-/// [`MillingError::Travel`] where the machine is too small.
-fn measured(
-    profile: &Profile,
-    task: &MillingTask,
-    shop: &Shop,
-    report: &mut ProgramReport,
-) -> Result<(), Error> {
-    let moves = || shop.read.iter().flatten().flat_map(|path: &ToolPath| &path.moves);
-    let ends = |axis: usize| {
-        let places = || moves().flat_map(|step: &ToolMove| [step.from[axis], step.to[axis]]);
-        [places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max)]
-    };
-    for axis in 0..3 {
-        let [low, high] = ends(axis);
-        report.travel_mm[axis] = (high - low).max(0.0);
-    }
-    report.reach_mm = (task.stock.top_mm - ends(2)[0]).max(0.0);
-    let travel = task.spec.machine.travel_mm.unwrap_or([f64::INFINITY; 3]);
-    for (axis, (&needed_mm, travel_mm)) in report.travel_mm.iter().zip(travel).enumerate() {
-        if needed_mm > travel_mm {
-            let axis = ["X", "Y", "Z"][axis];
-            return Err(refused(profile, MillingError::Travel { axis, needed_mm, travel_mm }));
-        }
-    }
-    Ok(())
 }

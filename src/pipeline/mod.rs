@@ -35,6 +35,7 @@ mod part_drawing;
 mod pose;
 mod program;
 mod program_forecast;
+mod program_travel;
 mod render;
 mod replay;
 mod run;

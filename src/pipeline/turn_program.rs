@@ -1,6 +1,7 @@
 //! Programs that turn a profile's mirror, read back and cut.
 
 use super::made_face::{MadeFace, PagePictures, noted};
+use super::program_travel::travelled;
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
@@ -71,7 +72,10 @@ pub(super) fn turned(
             ((), operation.kind.name().to_owned())
         });
     }
-    measured(&task, &lathe.read, &mut report).map_err(refused)?;
+    let moves = lathe.read.iter().flatten().flat_map(|path| &path.tool.moves);
+    let [x, z] = spec.machine.travel_mm.unwrap_or([f64::INFINITY; 2]);
+    travelled(&mut report, moves, task.bar.top_mm, [x, f64::INFINITY, z])
+        .map_err(|why| refused(why.into()))?;
     let nose_mm = spec.nose.radius_mm;
     let face = lathe.read.last().and_then(Option::as_ref).map(|path| MadeFace {
         cut: run.timer.always(Stage::Cut, || noted(turned_cut(design, &meridian, path, nose_mm))),
@@ -299,33 +303,4 @@ impl Lathe {
         self.pictures.speeds_mm_min.push(speeds_mm_min);
         self.read.push(Some(path));
     }
-}
-
-/// What the programs travel, and how deep the tool goes.
-///
-/// # Errors
-/// [`TurningError::Travel`] where the machine is too small.
-fn measured(
-    task: &TurningTask,
-    read: &[Option<TurningPath>],
-    report: &mut ProgramReport,
-) -> Result<(), TurningError> {
-    let moves = || read.iter().flatten().flat_map(|path| &path.tool.moves);
-    let ends = |axis: usize| {
-        let places = || moves().flat_map(|step| [step.from[axis], step.to[axis]]);
-        [places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max)]
-    };
-    for axis in 0..3 {
-        let [low, high] = ends(axis);
-        report.travel_mm[axis] = (high - low).max(0.0);
-    }
-    report.reach_mm = (task.bar.top_mm - ends(2)[0]).max(0.0);
-    let travel = task.spec.machine.travel_mm.unwrap_or([f64::INFINITY; 2]);
-    let [x, _, z] = report.travel_mm;
-    for (axis, needed_mm, travel_mm) in [("X", x, travel[0]), ("Z", z, travel[1])] {
-        if needed_mm > travel_mm {
-            return Err(TurningError::Travel { axis, needed_mm, travel_mm });
-        }
-    }
-    Ok(())
 }

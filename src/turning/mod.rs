@@ -28,6 +28,7 @@ pub use meridian::Meridian;
 pub use operation::{TurnedOperation, TurningTask};
 pub use post::{LatheHeader, lathe_program_text};
 
+use crate::milling::TravelExceeded;
 use thiserror::Error;
 
 /// Why a mirror cannot be turned so.
@@ -88,18 +89,8 @@ pub enum TurningError {
         has_rim: bool,
     },
     /// The machine is too small.
-    #[error(
-        "the programs travel {needed_mm:.1} mm along {axis}, and program.travel_mm has {travel_mm} mm: take a larger machine, a smaller \
-         part, or less program.stock_mm or safe_mm"
-    )]
-    Travel {
-        /// The axis.
-        axis: &'static str,
-        /// What the programs need, mm.
-        needed_mm: f64,
-        /// What there is, mm.
-        travel_mm: f64,
-    },
+    #[error(transparent)]
+    Travel(#[from] TravelExceeded),
     /// The turns are too near each other for facets to follow them.
     #[error(
         "a feed of {feed_mm} mm in a turn takes about {facets:.1e} facets to prove, over {most:.0e}: take a program.feed_mm_rev of \

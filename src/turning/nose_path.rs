@@ -2,6 +2,7 @@
 
 use super::meridian::{Meridian, MeridianPlace};
 use crate::geom::DVec2;
+use crate::milling::distance_from_move;
 use crate::num::{atan, cos, sin};
 use std::f64::consts::FRAC_PI_2;
 
@@ -83,9 +84,10 @@ impl NosePath {
             (0..PARTS).rev().map(|k| ([q(k), q(k + 1)], 0)).collect();
         while let Some(([a, b], depth)) = parts.pop() {
             let (ends, middle) = ([centre(a), centre(b)], 0.5 * (a + b));
+            let chord = ends.map(|end| end.extend(0.0));
             let is_near = [0.25, 0.5, 0.75].into_iter().all(|share| {
                 let at = centre(a + share * (b - a));
-                distance(at, ends) <= limits.chord_mm
+                distance_from_move(at.extend(0.0), chord) <= limits.chord_mm
             });
             let [before, after] = [a, b].map(|q| atan(meridian.at(q).slope));
             let is_straight = 0.5 * (after - before).abs() <= limits.slope;
@@ -134,14 +136,6 @@ fn meets_land(meridian: &Meridian, reach_mm: f64, z_mm: f64) -> f64 {
         if is_above(middle) { above = middle } else { below = middle }
     }
     above
-}
-
-/// Distance of a place from a straight move.
-fn distance(at: DVec2, [from, to]: [DVec2; 2]) -> f64 {
-    let way = to - from;
-    let length = way.length_squared();
-    let share = if length > 0.0 { ((at - from).dot(way) / length).clamp(0.0, 1.0) } else { 0.0 };
-    at.distance(from + share * way)
 }
 
 #[cfg(test)]
