@@ -1,7 +1,7 @@
 //! What a program cuts, in answers.
 
 use super::answer::{AnswerRows, ToRows};
-use crate::results::{CutDeparture, ProgramFacts, three_digits};
+use crate::results::{CutDeparture, ProgramFacts, coordinate, three_digits};
 
 impl ToRows for ProgramFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
@@ -17,8 +17,9 @@ impl ToRows for ProgramFacts {
                 three_digits(*cutting_min)
             ),
         );
-        let depth = |CutDeparture { off_um, at_mm: [x, y, _], line }: &CutDeparture| {
-            format!("{} um at X {x:.3}, Y {y:.3} (line {line})", three_digits(*off_um))
+        let depth = |CutDeparture { off_um, at_mm, line }: &CutDeparture| {
+            let [x, y, _] = at_mm.map(|mm| coordinate(mm, 3));
+            format!("{} um at X {x}, Y {y} (line {line})", three_digits(*off_um))
         };
         rows.add("left", format!("{} at most", depth(&self.highest)));
         rows.add("least left", depth(&self.lowest));
