@@ -9,9 +9,14 @@ const DECLARED: &str = "declared";
 const BY_SIZE: &str = "by size";
 const ASSUMED: &str = "assumed";
 
-/// The unit of a file that says it: what it was read in.
-pub(super) fn declared() -> UnitFacts {
-    UnitFacts::new(LengthUnit::Mm, DECLARED)
+/// Symbol of a unit that has none here, as a foot.
+const NAMELESS: &str = "of its own";
+
+/// The unit of a file that says how many mm it is.
+pub(super) fn declared(mm_per_unit: f64) -> UnitFacts {
+    let is_it = |unit: &LengthUnit| (unit.mm() - mm_per_unit).abs() <= 1e-9 * mm_per_unit;
+    let name = LengthUnit::ALL.into_iter().find(is_it).map_or(NAMELESS, LengthUnit::name);
+    UnitFacts { name, mm_per_unit, chosen: DECLARED }
 }
 
 /// Brings the vertices of a mesh of a part of this size to millimetres.
@@ -47,5 +52,24 @@ pub(super) fn unit_warning(name: &str, units: UnitFacts, measured: bool) -> Opti
             ))
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::declared;
+
+    #[test]
+    fn a_declared_unit_is_told_by_its_own_name() {
+        for (mm, name) in [
+            (1.0, "mm"),
+            (25.4, "in"),
+            (25.400000000000002, "in"),
+            (1000.0, "m"),
+            (304.8, "of its own"),
+        ] {
+            let units = declared(mm);
+            assert_eq!((units.name, units.mm_per_unit, units.chosen), (name, mm, "declared"));
+        }
     }
 }

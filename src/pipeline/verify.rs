@@ -257,7 +257,7 @@ impl Verify<'_> {
         let (file, read) = open(run, format, bytes, |mut reread| {
             let found = match codec(format).declares_unit() {
                 // It is read in millimetres.
-                true => declared(),
+                true => declared(1.0),
                 false => in_millimetres(&mut reread.mesh, size, self.options.units),
             };
             (reread, found)
@@ -323,7 +323,7 @@ impl Verify<'_> {
             true => Vec::new(),
             false => compared(&body, design, promise.chord_mm).1,
         };
-        let units = declared();
+        let units = declared(body.facts().unit_mm);
         let cut = CutFindings::default();
         let about = About { faults, cut, units, alignment, far: 0, oversize };
         Ok(self
@@ -352,7 +352,7 @@ impl Verify<'_> {
                 return Ok(found);
             }
         };
-        let (units, alignment, oversize) = (declared(), None, None);
+        let (units, alignment, oversize) = (declared(1.0), None, None);
         let about = About { faults: Vec::new(), cut, units, alignment, far: 0, oversize };
         Ok(self.traced(design, about, |each| {
             witness(run, design, (file, MeshFormat::Obj), *checked, promise, each)

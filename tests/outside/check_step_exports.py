@@ -18,6 +18,7 @@ from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Wr
 from verdicts import told
 
 KINDS = {"ap203": ("AP203", 1), "ap214": ("AP214IS", 1), "ap242": ("AP242DIS", 1), "inch": ("AP214IS", 25.4)}
+EXPORTS = [*KINDS, *(f"freecad-{kind}" for kind in KINDS)]
 FAR = 1e-9  # mm
 
 
@@ -52,7 +53,7 @@ def main(what, out, *names):
 
     def complaints(name):
         own, far, wrong = ends(out / name / "curved"), 0, []
-        for kind in KINDS:
+        for kind in EXPORTS:
             other = ends(out / name / kind)
             differ = int((own[0] != other[0]).sum())
             if differ:
@@ -60,9 +61,9 @@ def main(what, out, *names):
             else:
                 far = max(far, np.abs(own[1] - other[1]).max())
         wrong += [f"{far:.1e} mm apart"] if not far <= FAR else []
-        return f"{len(KINDS)} files, {far:.1e} mm", wrong
+        return f"{len(EXPORTS)} files, {far:.1e} mm", wrong
 
-    return told("opencascade exports", names, complaints)
+    return told("exported steps", names, complaints)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 //! Moulds and mandrels: parallel surfaces of closed forms, closed bodies in every format, the picture of what is formed on
 //! them, and refusals where no sheet follows the mirror.
 
+mod closed_forms;
+
 use crate::support::builds::{folder, parsed};
 use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP};
 use crate::support::{designed, meshed, share, unlimited, with_limits};
@@ -8,13 +10,11 @@ use morion::internals::design::{DesignError, design};
 use morion::internals::forming::{FormedFace, FormingFault, FormingTool, ParallelSurface};
 use morion::internals::geom::{DVec2, DVec3, Precision};
 use morion::internals::mirror::PlanJacobian;
-use morion::internals::num::{radians, tan};
 use morion::internals::pipeline::{
     Command, DrawingOptions, MachiningOptions, Silent, build, verify,
 };
 use morion::internals::profile::Profile;
 use morion::internals::results::{BuildReport, Reason, ReasonKind, ShapeFault, Verdict};
-use std::f64::consts::PI;
 
 const FORMATS: (&str, &str) =
     ("[\"stl\", \"obj\"]", "[\"stl\", \"obj\", \"3mf\", \"glb\", \"step\"]");
@@ -34,71 +34,22 @@ fn bare(form: &str) -> String {
     format!("{rim} }}\n")
 }
 
-/// A dome of a sphere of 80 mm with a flat rim.
-fn dome(form: &str, forming: &str) -> Profile {
-    let text = GIVEN.replace(", terms = [[3, 0, 1e-5], [0, 1, 0.01]]", ", conic = 0");
+/// A dome of a conic with a vertex radius of 80 mm and a flat rim.
+fn conic(conic: f64, form: &str, forming: &str) -> Profile {
+    let text =
+        GIVEN.replace(", terms = [[3, 0, 1e-5], [0, 1, 0.01]]", &format!(", conic = {conic}"));
     let text = format!("{text}layout.disc = {{}}\n{}forming = {{ {forming} }}\n", part(form));
     parsed(&text.replace(FORMATS.0, FORMATS.1))
+}
+
+/// A dome of a sphere of 80 mm with a flat rim.
+fn dome(form: &str, forming: &str) -> Profile {
+    conic(0.0, form, forming)
 }
 
 fn built(profile: &Profile) -> BuildReport {
     let folder = folder();
     build(profile, folder.path(), &Silent).unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// The closed form of the volume of a tool of the dome: a cap of the sphere beside it, over a cone's frustum with the draft.
-fn dome_mm3(radius_mm: f64, growth: f64, top_mm: f64) -> f64 {
-    let (sine, foot) = (30.0 / 80.0, 5.0);
-    let cosine = f64::sqrt(1.0 - sine * sine);
-    // The mirror's lowest place is its rim, at 12 mm.
-    let centre = 12.0 - 80.0 * cosine;
-    let rim = growth * radius_mm * sine;
-    let high = growth * (centre + radius_mm - foot);
-    let low = growth * (centre + radius_mm * cosine - foot);
-    let cap = high - low;
-    let wide = rim + tan(radians(3.0)) * low;
-    let frustum = PI * low / 3.0 * (rim * rim + rim * wide + wide * wide);
-    let core = PI * cap * cap * (growth * radius_mm - cap / 3.0) + frustum;
-    let outer = wide + 25.0;
-    let mark = PI / 3.0 * 0.125;
-    let plate = PI * outer * outer * top_mm - PI * 2.25 * top_mm - mark;
-    if top_mm == 5.0 { plate + core } else { plate - core }
-}
-
-/// Faces are spheres about the mirror's centre, volumes those of caps and frustums.
-#[test]
-#[ignore = "long: .ci/nightly"]
-fn tools_of_a_dome_are_concentric_spheres() {
-    for (form, forming, radius_mm, growth) in [
-        ("mandrel", "sheet_mm = 2", 78.0, 1.0),
-        ("mandrel", "sheet_mm = 2, shrinkage_ppm = 6000", 78.0, 1.0 / 0.994),
-        ("mandrel", "sheet_mm = 2, mirror_side = \"tool\"", 80.0, 1.0),
-        ("mould", "sheet_mm = 2", 80.0, 1.0),
-        ("mould", "sheet_mm = 2.5, mirror_side = \"free\", back_mm = 7", 82.5, 1.0),
-        ("mould", "shrinkage_ppm = 20000", 80.0, 1.0 / 0.98),
-    ] {
-        let profile = dome(form, forming);
-        let design = designed(&profile);
-        let tool = design.tool.as_ref().unwrap();
-        let face = meshed(&profile, &design).unwrap();
-        let made = tool.face(&design.mirror, face.mesh.clone());
-        let centre = DVec3::Z * (12.0 - 80.0 * f64::sqrt(1.0 - 0.140625));
-        for v in &made.vertices {
-            let off = (tool.to_part(*v) - centre).length() - radius_mm;
-            // The mesh has the digits of its coarsest format.
-            assert!(off.abs() < 4e-6, "{form} {forming}: {off:e}");
-        }
-        let exact = dome_mm3(radius_mm, growth, tool.flange_mm);
-        let off = tool.volume_mm3 / exact - 1.0;
-        assert!(off.abs() < 1e-6, "{form} {forming}: {off:e}");
-        let report = built(&profile);
-        assert_eq!(report.verdict, Verdict::Pass, "{form} {forming}: {:?}", report.reasons);
-        let step = report.step.unwrap().body.unwrap();
-        assert!(step.surface_error_nm < 3.0 && step.rays > 2000, "{form} {forming}: {step:?}");
-        let off = step.volume_mm3 / exact - 1.0;
-        assert!(off.abs() < 1e-6, "{form} {forming}: {off:e}");
-        assert_eq!(report.tool.unwrap().size_mm[2], tool.size_mm[2]);
-    }
 }
 
 /// Facets of the tool, moved back through the sheet along the normals that they tell, are those of the mirror.
