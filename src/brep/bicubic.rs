@@ -6,6 +6,8 @@ use crate::num::Lanes;
 
 /// Rows that are worked on at once.
 pub(super) const ROWS: usize = 4;
+/// Share of a range that counts as rounding: coordinates have 15 digits and more, places are found to 1e-9 of a range.
+const ROUNDING: f64 = 1e-12;
 /// A number for each of the rows.
 pub(super) type RowLanes = Lanes<ROWS>;
 
@@ -135,6 +137,48 @@ impl Powers {
         [value, along_u, ((dd * u + dc) * u + db) * u + da]
     }
 
+    /// Whether X goes evenly along u alone and Y along v alone, but for rounding: heights over a rectangle.
+    pub(super) fn are_heights(&self) -> bool {
+        let is_even = |component: usize, [i, j]: [usize; 2]| {
+            let all = self.0[component];
+            let coefficients = all.iter().enumerate().flat_map(|(i, row)| {
+                row.iter().enumerate().map(move |(j, coefficient)| ([i, j], coefficient.abs()))
+            });
+            let others = coefficients.filter(|(at, _)| *at != [0, 0] && *at != [i, j]);
+            let rest: f64 = others.map(|(_, coefficient)| coefficient).sum();
+            rest <= ROUNDING * all[i][j].abs()
+        };
+        is_even(0, [1, 0]) && is_even(1, [0, 1])
+    }
+
+    /// X and Y of [heights over a rectangle](Self::are_heights).
+    #[inline(always)]
+    pub(super) fn rectangle_at(&self, [u, v]: [RowLanes; 2]) -> [Values; 2] {
+        let zero = Lanes([0.0; ROWS]);
+        let ([x, along_u], [y, along_v]) = self.rectangle();
+        let slope = |by: f64| Lanes([by; ROWS]);
+        [
+            [u * along_u + slope(x), slope(along_u), zero],
+            [v * along_v + slope(y), zero, slope(along_v)],
+        ]
+    }
+
+    /// Where such X and Y are these.
+    #[inline(always)]
+    pub(super) fn over_rectangle(&self, [x, y]: [RowLanes; 2]) -> [RowLanes; 2] {
+        let even =
+            |x: RowLanes, [middle, along]: [f64; 2]| (x + Lanes([-middle; ROWS])) * (1.0 / along);
+        let (of_x, of_y) = self.rectangle();
+        [even(x, of_x), even(y, of_y)]
+    }
+
+    /// X in the middle and along u, Y in the middle and along v.
+    #[inline(always)]
+    fn rectangle(&self) -> ([f64; 2], [f64; 2]) {
+        let [x, y, ..] = &self.0;
+        ([x[0][0], x[1][0]], [y[0][0], y[0][1]])
+    }
+
     /// Values and derivatives of all components at one place.
     pub(super) fn at_one(&self, [u, v]: [f64; 2]) -> [[f64; 3]; 4] {
         let place = [u, v].map(|x| Lanes([x; ROWS]));
@@ -192,5 +236,27 @@ mod tests {
         for (k, control) in line.iter().enumerate() {
             assert!((control[0] - 2.0 * k as f64 / 3.0).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn heights_over_a_rectangle_are_told_from_what_is_nearly_that() {
+        let net = |warp: f64| {
+            let control = |i: usize, j: usize| {
+                let up = ((i * 5 + j * 3) % 7) as f64;
+                [3.0 + i as f64 + warp * up, -1.0 + 0.5 * j as f64, up, 1.0]
+            };
+            Net([0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| control(i, j))))
+        };
+        let powers = Powers::of(&net(0.0).over([[0.1, 0.3], [0.7, 0.75]]));
+        assert!(powers.are_heights() && !Powers::of(&net(1e-9)).are_heights());
+        let at = [Lanes([0.2; ROWS]), Lanes([-0.4; ROWS])];
+        let [x, y] = powers.rectangle_at(at);
+        for (plan, all) in
+            [x, y].iter().flatten().zip([0, 1].map(|c| powers.at(c, at)).iter().flatten())
+        {
+            assert!((plan.0[0] - all.0[0]).abs() < 1e-13, "{plan:?} {all:?}");
+        }
+        let found = powers.over_rectangle([x[0], y[0]]);
+        assert!(found.iter().zip(at).all(|(a, b)| (a.0[0] - b.0[0]).abs() < 1e-12), "{found:?}");
     }
 }

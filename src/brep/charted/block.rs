@@ -1,7 +1,7 @@
 //! A few rows of a few rays, met with the pieces of a body that the chart shows there.
 
-use super::tile::{Tile, WIDENED};
-use crate::brep::bicubic::{ROWS, RowLanes};
+use super::tile::{Tile, TileForm, WIDENED};
+use crate::brep::bicubic::{Powers, ROWS, RowLanes, Values};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::Lanes;
 
@@ -79,12 +79,16 @@ impl Block {
                 known = 0;
                 continue;
             }
-            let start = extrapolated(&before, known);
             let q = [Lanes(rays.map(|q| q.x)), Lanes(rays.map(|q| q.y))];
-            let met = if tile.polynomial {
-                newton::<true>(tile, chart, q, start)
-            } else {
-                newton::<false>(tile, chart, q, start)
+            // Parallel rays meet heights over a rectangle where their X and Y are.
+            let start = match tile.form {
+                TileForm::Heights if chart.vergence == 0.0 => tile.powers.over_rectangle(q),
+                _ => extrapolated(&before, known),
+            };
+            let met = match tile.form {
+                TileForm::Heights => newton::<Heights>(tile, chart, q, start),
+                TileForm::Polynomial => newton::<Polynomial>(tile, chart, q, start),
+                TileForm::Rational => newton::<Rational>(tile, chart, q, start),
             };
             before.copy_within(0..ORDER - 1, 1);
             before[0] = met.at;
@@ -193,21 +197,52 @@ impl Met {
     }
 }
 
-/// Newton's method for four rays at once, on a tile whose weights are 1 if `POLYNOMIAL`.
+/// The kinds of maps that Newton's method is compiled for.
+trait MapForm {
+    /// Whether the weight is 1 everywhere.
+    const POLYNOMIAL: bool;
+
+    /// X and Y, times the weight.
+    #[inline(always)]
+    fn plan(powers: &Powers, at: [RowLanes; 2]) -> [Values; 2] {
+        [powers.at(0, at), powers.at(1, at)]
+    }
+}
+
+/// See [`TileForm::Heights`].
+struct Heights;
+/// See [`TileForm::Polynomial`].
+struct Polynomial;
+/// See [`TileForm::Rational`].
+struct Rational;
+
+impl MapForm for Heights {
+    const POLYNOMIAL: bool = true;
+
+    #[inline(always)]
+    fn plan(powers: &Powers, at: [RowLanes; 2]) -> [Values; 2] {
+        powers.rectangle_at(at)
+    }
+}
+
+impl MapForm for Polynomial {
+    const POLYNOMIAL: bool = true;
+}
+
+impl MapForm for Rational {
+    const POLYNOMIAL: bool = false;
+}
+
+/// Newton's method for four rays at once.
 #[inline(always)]
-fn newton<const POLYNOMIAL: bool>(
-    tile: &Tile,
-    chart: &Chart,
-    q: [RowLanes; 2],
-    mut at: [RowLanes; 2],
-) -> Met {
+fn newton<F: MapForm>(tile: &Tile, chart: &Chart, q: [RowLanes; 2], mut at: [RowLanes; 2]) -> Met {
     let (k, powers) = (chart.vergence, &tile.powers);
     let one = Lanes([1.0; ROWS]);
     let zero = Lanes([0.0; ROWS]);
     let mut step = 0;
     loop {
-        let (x, y, up) = (powers.at(0, at), powers.at(1, at), powers.at(2, at));
-        let w = if POLYNOMIAL { [one, zero, zero] } else { powers.at(3, at) };
+        let ([x, y], up) = (F::plan(powers, at), powers.at(2, at));
+        let w = if F::POLYNOMIAL { [one, zero, zero] } else { powers.at(3, at) };
         let scale = [w[0] - up[0] * k, w[1] - up[1] * k, w[2] - up[2] * k];
         let f = [x[0] - q[0] * scale[0], x[1] - q[0] * scale[1], x[2] - q[0] * scale[2]];
         let g = [y[0] - q[1] * scale[0], y[1] - q[1] * scale[1], y[2] - q[1] * scale[2]];
@@ -219,7 +254,7 @@ fn newton<const POLYNOMIAL: bool>(
         let is_out = |n: usize| step > 1 && next.iter().any(|x| !(x.0[n].abs() <= MOST));
         if step + 1 >= STEPS || (0..ROWS).all(|n| last.0[n] <= LAST_STEP || is_out(n)) {
             let height = up[0] - up[1] * by[0] - up[2] * by[1];
-            if POLYNOMIAL {
+            if F::POLYNOMIAL {
                 return Met { at: next, up: height, normal: cross([&x, &y, &up]), last };
             }
             let weight = w[0] - w[1] * by[0] - w[2] * by[1];

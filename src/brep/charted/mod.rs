@@ -13,9 +13,10 @@ use super::bicubic::{Net, Powers, ROWS};
 use super::face::{Share, TrimmedFace};
 use super::patch::halves_of;
 use crate::geom::{Chart, DVec2, DVec3, Ray};
+use crate::num::sort_by_number;
 use crate::parallel;
 use block::{Block, COLUMNS, Found};
-use tile::{ChartBox, Tile, proven_side};
+use tile::{ChartBox, Tile, TileForm, proven_side};
 
 /// Halvings of a patch at most.
 const MOST_DEPTH: usize = 16;
@@ -179,7 +180,7 @@ impl Pieces {
         let mut tiles: Vec<&Tile> =
             self.tiles.iter().filter(|tile| tile.bounds.meets(*lo, *hi)).collect();
         // (Those of equal height stay in the order of the file.)
-        tiles.sort_by(|a, b| b.bounds.top.total_cmp(&a.bounds.top));
+        sort_by_number(&mut tiles, |tile| -tile.bounds.top);
         Near {
             tiles,
             planes: self.planes.iter().filter(near).collect(),
@@ -266,6 +267,7 @@ impl Cutter<'_> {
             return Some(());
         }
         if side.is_some() {
+            let powers = Powers::of(&net);
             self.pieces.tiles.push(Tile {
                 face: self.number,
                 patch,
@@ -273,8 +275,8 @@ impl Cutter<'_> {
                 bounds,
                 trimmed: share == Share::Some,
                 same: self.face.same,
-                polynomial: net.controls().all(|control| control[3] == 1.0),
-                powers: Powers::of(&net),
+                form: TileForm::of(&net, &powers),
+                powers,
             });
         } else if depth == MOST_DEPTH || bounds.size().min_element() <= self.thin {
             self.pieces.unproven.push(Region { face: self.number, bounds });

@@ -59,6 +59,27 @@ impl ChartBox {
     }
 }
 
+/// What a piece's map is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TileForm {
+    /// Heights over a rectangle, whose X goes along u alone and Y along v alone, evenly.
+    Heights,
+    /// Polynomials: weights are 1.
+    Polynomial,
+    /// Quotients of polynomials.
+    Rational,
+}
+
+impl TileForm {
+    pub(super) fn of(net: &Net, powers: &Powers) -> Self {
+        match net.controls().all(|control| control[3] == 1.0) {
+            true if powers.are_heights() => Self::Heights,
+            true => Self::Polynomial,
+            false => Self::Rational,
+        }
+    }
+}
+
 /// A piece of a patch.
 #[derive(Debug, Clone)]
 pub(super) struct Tile {
@@ -72,8 +93,7 @@ pub(super) struct Tile {
     pub trimmed: bool,
     /// Whether its normal is that of its derivatives, not the opposite.
     pub same: bool,
-    /// Whether its weights are 1.
-    pub polynomial: bool,
+    pub form: TileForm,
     pub powers: Powers,
 }
 
