@@ -378,12 +378,16 @@ fn load_all(named: &[String]) -> Result<Vec<Profile>, CommandFailure> {
     CommandFailure::none_of(faults).map(|()| profiles)
 }
 
-/// Says a message of a kind on stderr; one that nobody can read is not worth failing for. Messages of several
-/// lines show places in files, and stay as they are.
+/// Says a message of a kind on stderr; one that nobody can read is not worth failing for. Each line of a message goes on under
+/// its own first word.
 fn complain(kind: &str, colour: anstyle::AnsiColor, message: &str) {
-    let columns = if message.contains('\n') { None } else { columns(&std::io::stderr()) };
-    let layout = TextLayout { columns, ..TextLayout::default() };
-    let lines = layout.lines(&format!("{kind}: "), message, 2);
+    let layout = TextLayout { columns: columns(&std::io::stderr()), ..TextLayout::default() };
+    let (first, others) = message.split_once('\n').unwrap_or((message, ""));
+    let mut lines = layout.lines(&format!("{kind}: "), first, 2);
+    for line in others.lines() {
+        let margin = line.len() - line.trim_start().len();
+        lines += &layout.lines("", line, margin + 2);
+    }
     let style = anstyle::Style::new().bold().fg_color(Some(colour.into()));
     let rest = lines.strip_prefix(kind).unwrap_or(&lines);
     let _ = write!(anstream::stderr(), "{style}{kind}{style:#}{rest}");

@@ -58,7 +58,10 @@ fn every_command_fits_a_terminal() {
     let study = "profile = 'small.toml'\n[[axis]]\nkey = 'part.width_mm'\nvalues = [10, -1, 15]\n\
                  [[column]]\nkey = 'design.pixel_error_px.rms'\ngoal = 'least'\n";
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    std::fs::write(folder.path().join("faulty.toml"), "[part]\nwidth = 3\nholes_mm = [[1, 2]]\n")
+        .unwrap();
     for arguments in [
+        "build faulty.toml",
         "build small.toml",
         "build small.toml --force --verbose",
         "build small.toml --dry-run",
