@@ -5,7 +5,7 @@ use super::reference_surface::ReferenceSurface;
 use super::vertex_patch::thinned;
 use super::{Pose, VertexPatch};
 use crate::geom::DVec3;
-use crate::num::radians;
+use crate::num::{radians, sort_by_number};
 use crate::parallel;
 
 /// Number of vertices that are used.
@@ -60,7 +60,7 @@ fn starts(middle: DVec3, reference: &ReferenceSurface) -> Vec<Pose> {
     for k in 0..27 {
         turns.push(DVec3::new(ways[k % 3], ways[k / 3 % 3], ways[k / 9]) * radians(TURN_DEG));
     }
-    turns.sort_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    sort_by_number(&mut turns, |turn| turn.length_squared());
     let mut starts = Vec::new();
     for from in [middle, reference.centre] {
         starts.extend(turns.iter().map(|&turn| Pose::about(from, reference.centre, turn)));

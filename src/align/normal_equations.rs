@@ -4,6 +4,7 @@
 use super::reference_surface::{ProjectedPoint, ReferenceSurface};
 use super::{FreeMotion, Pose, VertexPatch};
 use crate::geom::DVec3;
+use crate::num::sort_by_number;
 use crate::parallel;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 
@@ -195,7 +196,7 @@ pub(super) fn robust_scale(residuals: &[Option<AlignmentResidual>]) -> f64 {
     let every = known.clone().count() / MOST + 1;
     let mut distances: Vec<(f64, f64)> =
         known.step_by(every).map(|r| (r.distance.abs(), r.area)).collect();
-    distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut distances, |d| d.0);
     let half = 0.5 * distances.iter().map(|d| d.1).sum::<f64>();
     let mut sum = 0.0;
     let median = distances.iter().find(|d| {

@@ -2,7 +2,7 @@
 
 use crate::geom::{DVec2, DVec3, Outline};
 use crate::mirror::{HeightAndSlope, Mirror};
-use crate::num::exp;
+use crate::num::{exp, sort_by_number};
 
 /// Projection of a point on the mirror along the camera's ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,7 +168,7 @@ impl<'a> ReferenceSurface<'a> {
 
 /// The distance that 95 % of the weight do not exceed.
 pub(super) fn percentile_95(mut distances: Vec<(f64, f64)>) -> f64 {
-    distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut distances, |d| d.0);
     let total: f64 = distances.iter().map(|d| d.1).sum();
     let mut sum = 0.0;
     let within = |(_, weight): &&(f64, f64)| {

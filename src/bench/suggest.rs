@@ -4,6 +4,7 @@ use super::design::METHODS;
 use super::profile_edit::{document, set};
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
 use crate::num::rounding::two_digits_below;
+use crate::num::sort_by_number;
 use crate::num::stats::Summary;
 use crate::pipeline::{Run, Silent, build_in_memory, designed, meshed};
 use crate::profile::{MeshGoal, Method, Profile, ShapeSpec};
@@ -51,7 +52,7 @@ pub(super) fn suggest(
             Some((run.time_ms + mesh.time_ms * ratio * ratio, *run, facet_px))
         })
         .collect();
-    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut candidates, |candidate| candidate.0);
     for (_, run, facet_px) in candidates {
         if let Some((settings, method)) = reached(subject, run, facet_px, target_px)? {
             let text = edited(&subject.text()?, &method, settings.facet_px);

@@ -1,6 +1,7 @@
 //! Datum features of a part: the faces from which a shop sets it up and an inspector measures it.
 
 use super::{Border, Contour, DVec2};
+use crate::num::sort_by_number;
 use std::fmt;
 
 /// A face of the part from which places are measured.
@@ -76,7 +77,7 @@ impl DatumScheme {
 fn sides(half: DVec2, corner_mm: f64) -> impl Iterator<Item = DatumFeature> {
     let [along_x, along_y] = [half.x, half.y].map(|half| 2.0 * (half - corner_mm));
     let mut both = [(DatumFeature::FrontSide, along_x), (DatumFeature::LeftSide, along_y)];
-    both.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sort_by_number(&mut both, |side| -side.1);
     let long = |(_, length): &(DatumFeature, f64)| *length >= DatumScheme::LEAST_SIDE_MM;
     both.into_iter().filter(long).map(|(side, _)| side)
 }

@@ -1,6 +1,7 @@
 //! Rectangles that tile a rectangle.
 
 use super::{DVec2, Outline, Rect};
+use crate::num::sort_by_number;
 
 /// Rectangles side by side that tile a rectangle, mm: places on a common side belong to the one that comes first,
 /// places outside to the nearest.
@@ -115,7 +116,7 @@ impl Panels {
                 }
             }
         }
-        common.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        sort_by_number(&mut common, |line| line.0[0]);
         let mut lines: Vec<DividingLine> = Vec::new();
         let mut last: Option<([f64; 2], [usize; 2])> = None;
         for ([from, to], pair) in common {

@@ -9,6 +9,7 @@
 use super::drop_cutter::{Contact, DropCutter, ball_hessian};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Hessian;
+use crate::num::sort_by_number;
 
 /// What is less is no gain, mm: above the rounding of a height, some 1e-14, and far below any tolerance.
 const NO_GAIN: f64 = 1e-10;
@@ -193,7 +194,7 @@ impl Descent<'_> {
 
 /// Where the largest of `models` is least, no farther than `reach`, and how high it is there.
 fn minimax(models: &mut [QuadraticModel], reach: f64) -> Option<(DVec2, f64)> {
-    models.sort_by(|a, b| b.height.total_cmp(&a.height));
+    sort_by_number(models, |model| -model.height);
     let first = *models.first()?;
     // What lies too low to matter within reach, and what says the same.
     let mut counting: Vec<QuadraticModel> = Vec::new();

@@ -5,6 +5,7 @@
 
 use super::{Mirror, Surface};
 use crate::geom::{DVec2, DividingLine, FaceMesh, TriMesh, triangulate_loops};
+use crate::num::sort_by_number;
 use thiserror::Error;
 
 /// How far rounding takes a vertex from the line between panels that it is on, as a share of the mirror's size: far less
@@ -69,7 +70,7 @@ impl Mirror {
                         && (line.ends[0] - off..=line.ends[1] + off).contains(&v.q[along])
                 };
                 let mut chain: Vec<RimVertex> = rims[k].iter().filter(on_line).copied().collect();
-                chain.sort_by(|a, b| a.q[along].total_cmp(&b.q[along]));
+                sort_by_number(&mut chain, |vertex| vertex.q[along]);
                 chain
             };
             panels.iter().flat_map(of_panel).collect()

@@ -23,6 +23,7 @@ mod radial_cubic;
 pub mod random;
 pub mod rounding;
 mod scalar;
+mod sorting;
 pub mod special;
 pub mod stats;
 pub mod streaming_qr;
@@ -36,6 +37,7 @@ pub use lanes::Lanes;
 pub use monotone::{Inverse, MonotoneCubic};
 pub use radial_cubic::RadialCubic;
 pub use scalar::{Arithmetic, Base, PlaneFn, Scalar, SmoothFn};
+pub use sorting::sort_by_number;
 
 /// The larger of two errors; one that is no number is larger than all.
 #[inline]

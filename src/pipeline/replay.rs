@@ -9,6 +9,7 @@ use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::{DVec3, FaceMesh, Precision, TriMesh};
+use crate::num::sort_by_number;
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::part::{self, AtPrecision, codec};
@@ -227,7 +228,7 @@ impl<'a> ImperfectPart<'a> {
             .filter(|kind| !self.without.contains(kind))
             .filter_map(finest)
             .collect();
-        fine.sort_by(|a, b| b.2.total_cmp(&a.2));
+        sort_by_number(&mut fine, |finest| -finest.2);
         let most = fine.first().map_or(0.0, |finest| finest.2);
         // The worst one in any case.
         let guilty = fine.iter().take_while(|f| f.2 > MOST_FACETS as f64 || f.2 == most);

@@ -12,6 +12,7 @@ pub use defect::{Defect, OpenBoundary, SolidCheck};
 pub use skirt::Rim;
 
 use crate::geom::{DVec2, DVec3, FaceMesh, PartFeatures, Precision, TriMesh};
+use crate::num::sort_by_number;
 use crate::parallel;
 use skirt::Feet;
 use thiserror::Error;
@@ -278,7 +279,7 @@ fn boundary_loops(face: &TriMesh, rim_edges: Vec<(u32, u32)>) -> Result<Boundary
         let at = |v: u32| face.vertices[v as usize].truncate();
         sides(vertices).map(|[v, next]| 0.5 * at(v).perp_dot(at(next))).sum()
     };
-    loops.sort_by(|a, b| area(b).abs().total_cmp(&area(a).abs()));
+    sort_by_number(&mut loops, |vertices| -area(vertices).abs());
     let mut loops = loops.into_iter();
     let (outer, hole, more) = (loops.next(), loops.next(), loops.count());
     let broken = |reason: String| Err(SolidError::BoundaryLoops { reason });

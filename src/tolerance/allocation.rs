@@ -7,6 +7,7 @@ use super::quadratic_yield_model::QuadraticYieldModel;
 use super::solve_for_target::{TargetFigure, solve_for_target};
 use super::trials::quantile;
 use super::work_counts::WorkKind;
+use crate::num::sort_by_number;
 use crate::tolerance_terms::Criterion;
 use serde::Serialize;
 
@@ -255,7 +256,7 @@ impl<'a> Allocation<'a> {
     /// such as noise from sample to sample, favours neither. Lost ones say nothing.
     fn full_to_linear(&self, full: &[f64], linear: &[f64]) -> f64 {
         let mut order: Vec<usize> = (0..full.len()).filter(|&k| full[k].is_finite()).collect();
-        order.sort_by(|&a, &b| (full[a] * linear[a]).total_cmp(&(full[b] * linear[b])));
+        sort_by_number(&mut order, |&k| full[k] * linear[k]);
         let below = (self.engine.spec.target_yield - BELOW_TARGET).max(0.0);
         let from = (below * order.len() as f64) as usize;
         let sum = |of: &[f64]| order[from..].iter().map(|&k| self.added(of[k])).sum::<f64>();

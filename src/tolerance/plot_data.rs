@@ -7,6 +7,7 @@ use super::engine::Engine;
 use super::study::{SourceFacts, Study};
 use super::trials::Trial;
 use super::yields::Yield;
+use crate::num::sort_by_number;
 use serde::Serialize;
 
 /// An error at the worse of its limits.
@@ -36,7 +37,7 @@ pub fn worst_offenders(study: &Study) -> Vec<Offender> {
         Offender { source: s.source.clone(), value, adjusted_px }
     };
     let mut all: Vec<Offender> = study.sources.iter().map(worse).collect();
-    all.sort_by(|a, b| b.adjusted_px.total_cmp(&a.adjusted_px));
+    sort_by_number(&mut all, |offender| -offender.adjusted_px);
     all.truncate(MOST);
     all
 }

@@ -8,6 +8,7 @@ use super::compensate::{DisplacementPx, or_lost};
 use super::engine::Engine;
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
+use crate::num::sort_by_number;
 use crate::parallel;
 use crate::tolerance_terms::{Criterion, Distribution, FormMeasure, Reference};
 use serde::Serialize;
@@ -220,7 +221,7 @@ impl Study {
         let facts = |k: usize| SourceFacts::of(engine, seed, k, share(k), allocated.as_ref().ok());
         let mut sources = parallel::map(spec.sources.len(), 1, facts);
         let worst = |facts: &SourceFacts| facts.minus_adjusted_px.max(facts.plus_adjusted_px);
-        sources.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
+        sort_by_number(&mut sources, |facts| -worst(facts));
 
         let square = |trial: &&Trial| trial.after.rms_px * trial.after.rms_px;
         let kept: Vec<&Trial> = trials.iter().filter(|trial| trial.after.kept()).collect();

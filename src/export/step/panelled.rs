@@ -7,6 +7,7 @@ use super::panels::{CornerVertices, WrittenSurface};
 use super::part21::{DataSection, InstanceId};
 use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
 use crate::geom::{Chart, DVec2, DVec3, DividingLine, Panels, Rect};
+use crate::num::sort_by_number;
 
 /// Sides of a rectangle.
 const SIDES: usize = 4;
@@ -182,7 +183,7 @@ impl Walls<'_> {
             _ => -rect.max.y,
         };
         let mut found: Vec<usize> = (0..parts.len()).filter(|&k| on_side(&parts[k])).collect();
-        found.sort_by(|&a, &b| along(&parts[a]).total_cmp(&along(&parts[b])));
+        sort_by_number(&mut found, |&k| along(&parts[k]));
         found.into_iter().map(|k| self.sides[k][side].forward()).collect()
     }
 }

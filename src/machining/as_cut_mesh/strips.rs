@@ -2,6 +2,7 @@
 
 use super::outlines::Polygon;
 use crate::geom::{DVec2, turn};
+use crate::num::sort_by_number;
 
 /// How far the side of a strip may be from the outline, as a share of the face's size.
 const STRAIGHT: f64 = 2e-5;
@@ -161,10 +162,10 @@ fn strips(panels: &[Vec<Polygon>], [low, high]: [f64; 2]) -> Vec<[StripSide; 2]>
                 sides.push((0.5 * (side[0] + side[1]), side));
             }
         }
-        sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut sides, |side| side.0);
         all.extend(sides.chunks_exact(2).map(|pair| [pair[0].1, pair[1].1]));
     }
-    all.sort_by(|a, b| (a[0][0] + a[0][1]).total_cmp(&(b[0][0] + b[0][1])));
+    sort_by_number(&mut all, |piece| piece[0][0] + piece[0][1]);
     all
 }
 

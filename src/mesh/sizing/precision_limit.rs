@@ -7,6 +7,7 @@ use crate::geom::{DVec2, Outline, Rect};
 use crate::mesh::bound::tuning::TUNING as BOUND_TUNING;
 use crate::mesh::error::MeshError;
 use crate::mirror::Mirror;
+use crate::num::sort_by_number;
 
 impl SizingField {
     /// Checks that single precision alone keeps the chord limit.
@@ -56,7 +57,7 @@ impl SizingField {
     fn flattest_places(&self, mirror: &Mirror) -> impl Iterator<Item = DVec2> {
         let steep = |q: DVec2| mirror.slope(q, &mirror.surface.at(q)).length();
         let mut cells: Vec<(f64, DVec2)> = self.cell_centres().map(|q| (steep(q), q)).collect();
-        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut cells, |cell| cell.0);
         cells.truncate(TUNING.flattest_cells);
         let half = 0.5 * self.domain().size() / TUNING.table_cells as f64;
         let cell = move |(_, q): (f64, DVec2)| Rect { min: q - half, max: q + half };
@@ -87,7 +88,7 @@ impl SizingField {
         };
         let inside = self.cell_centres().filter(|&q| outline.contains(q));
         let mut found: Vec<(f64, DVec2)> = inside.map(least).filter(|f| f.0.is_finite()).collect();
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut found, |found| found.0);
         match found.get(found.len() / 2) {
             Some(&(attained, at)) if attained >= limit => {
                 Err(MeshError::PrecisionLimit { at, chord_mm: None, facet_mm: Some(attained) })

@@ -3,6 +3,7 @@
 use super::super::page::Figure;
 use super::super::plot::{Anchor, Diagram, Ink, Marker, Plot, Stroke};
 use super::scale_axis;
+use crate::num::sort_by_number;
 use crate::profile::ColumnGoal;
 use crate::results::{SweepReport, SweepTable};
 
@@ -77,7 +78,7 @@ fn plot(
     let others: Vec<[f64; 2]> =
         places.iter().filter(|place| !place.2).step_by(step).map(|place| place.1).collect();
     let mut front: Vec<&Place> = places.iter().filter(|place| place.2).collect();
-    front.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+    sort_by_number(&mut front, |place| place.1[0]);
     let count = front.len();
     plot.points((Ink::Faint, Marker::Disc, 1.4), others.iter().copied());
     if goals.is_some_and(|(_, is_whole_front)| is_whole_front) {

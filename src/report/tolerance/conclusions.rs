@@ -1,5 +1,6 @@
 //! What to conclude from the plots of a study.
 
+use crate::num::sort_by_number;
 use crate::results::{digits, displacement, percent};
 use crate::tolerance::{SourceFacts, Study};
 
@@ -11,7 +12,7 @@ const LINEAR: f64 = 0.1;
 /// Of the sources' shares of the variance.
 pub(super) fn shares(study: &Study) -> String {
     let mut sources: Vec<&SourceFacts> = study.sources.iter().collect();
-    sources.sort_by(|a, b| b.share_of_variance.total_cmp(&a.share_of_variance));
+    sort_by_number(&mut sources, |source| -source.share_of_variance);
     let Some(first) = sources.first().filter(|first| first.share_of_variance > 0.0) else {
         return "No error differs from part to part, so there is no variance to share.".into();
     };

@@ -1,6 +1,7 @@
 //! The plots of a study of tolerances.
 
 use super::conclusions::{linearity, shares, trials, yields_kept};
+use crate::num::sort_by_number;
 use crate::report::page::Figure;
 use crate::report::plot::{Anchor, Axis, Diagram, Ink, Marker, Plot, Stroke};
 use crate::results::percent;
@@ -91,7 +92,7 @@ impl TrialRange {
 fn largest_shares(study: &Study) -> Vec<(String, f64)> {
     let mut shares: Vec<(String, f64)> =
         study.sources.iter().map(|s| (s.source.clone(), s.share_of_variance)).collect();
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sort_by_number(&mut shares, |share| -share.1);
     if shares.len() > BARS + 1 {
         let rest = shares.split_off(BARS);
         let share = rest.iter().map(|s| s.1).sum();
