@@ -44,14 +44,22 @@ pub fn holds(bytes: &[u8]) {
     }
 }
 
-/// As the program of a lathe: turns are those of feed moves, and the cusps of a section rise.
+/// As the program of a lathe, and as a table of points: turns are those of feed moves, and the cusps of a section rise.
 fn turned(bytes: &[u8]) {
-    let Ok(path) = TurningPath::read(bytes) else { return };
+    for path in [TurningPath::read(bytes), TurningPath::read_table(bytes)].into_iter().flatten() {
+        sections(&path);
+    }
+}
+
+fn sections(path: &TurningPath) {
     assert_eq!(path.tool.moves.len(), path.turns.len());
     let steps = || path.tool.moves.iter().zip(&path.turns);
-    assert!(steps().all(|(step, turns)| turns.is_finite() && *turns >= 0.0 && step.to.y == 0.0));
+    assert!(steps().all(|(step, turns)| turns.is_finite() && step.to.y == 0.0));
+    assert!(path.is_commanded() || steps().all(|(_, turns)| *turns >= 0.0));
+    assert!(!path.is_commanded() || path.commanded.len() == path.turns.len());
+    assert!(path.axis_rates().acceleration.most >= 0.0);
     assert!(steps().all(|(step, turns)| step.feed.is_some() || *turns == 0.0));
-    let surface = TurnedSurface::new(&path, 2.0);
+    let surface = TurnedSurface::new(path, 2.0);
     if surface.turns() > MOST_TURNS {
         return;
     }

@@ -115,7 +115,7 @@ pub(super) struct CheckArgs {
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
     /// The file: STL, OBJ, 3MF, GLB or STEP, in the part frame of the profile unless --align is given; with --align
-    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY; with --ball-mm or --nose-mm a program: NGC, NC, TAP, CNC or GCODE
+    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY; with --ball-mm or --nose-mm a program: NGC, NC, TAP, CNC, GCODE or XZC
     pub file: PathBuf,
     /// Profile file, or name of a shipped profile
     #[arg(long)]

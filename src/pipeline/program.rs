@@ -5,6 +5,7 @@ use super::made_face::{MadeFace, PagePictures};
 use super::mill_program::milled;
 use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
+use super::servo_program::servo_cut;
 use super::turn_program::turned;
 use super::{Error, Stage};
 use crate::design::Design;
@@ -15,8 +16,8 @@ use crate::results::{AsCutFacts, CutDeparture, CuttingFault, ProgramReport, Reas
 use crate::verdict::{self, Findings, HeldTo, ProgramCut};
 use std::path::{Path, PathBuf};
 
-/// Writes programs that mill or turn the mirror as `[program]` of the profile asks: `roughing`, `semi-finishing` and `finishing.ngc`,
-/// `program.json`, `program.html` and `as-cut.stl` into NAME/program.
+/// Writes programs that mill or turn the mirror as `[program]` of the profile asks: `roughing`, `semi-finishing` and `finishing.ngc`, or
+/// `.xzc`, `program.json`, `program.html` and `as-cut.stl` into NAME/program.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ProgramOptions;
 
@@ -32,7 +33,8 @@ impl Command for ProgramOptions {
         let profile = run.profile;
         let (mut report, face, pictures) = match &profile.program {
             ProgramSpec::Mill(spec) => milled(run, spec, &design)?,
-            ProgramSpec::Turn(spec) => turned(run, spec, &design)?,
+            ProgramSpec::Turn(spec, control) => turned(run, (spec, *control), &design)?,
+            ProgramSpec::Servo(spec, servo) => servo_cut(run, (spec, servo), &design)?,
         };
         let errors = match face {
             Some(face) => judged(run, &design, face, &mut report)?,
@@ -51,7 +53,8 @@ fn judged(
     MadeFace { cut, words }: MadeFace,
     report: &mut ProgramReport,
 ) -> Result<Option<FalseColourMap>, Error> {
-    let of_program = |fault: CuttingFault| Reason::from(fault).of_file("finishing.ngc");
+    let finishing = format!("finishing.{}", report.control.ending());
+    let of_program = |fault: CuttingFault| Reason::from(fault).of_file(&finishing);
     let ProgramCut { mesh, facts, faults, warning } = match cut {
         Ok(cut) => cut,
         Err(fault) => {

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 /// A file of unknown making, and how it is looked at: writes `report.json` and `report.html` into NAME-verify.
 #[derive(Debug, Clone, Copy)]
 pub struct Verify<'a> {
-    /// The file: an STL, OBJ, 3MF, GLB or STEP, a list of points as CSV, XYZ or PLY, or a program as NGC, NC, TAP or CNC.
+    /// The file: an STL, OBJ, 3MF, GLB or STEP, a list of points as CSV, XYZ or PLY, or a program as NGC, NC, TAP, CNC or XZC.
     pub path: &'a Path,
     /// How it is looked at.
     pub options: VerifyOptions,
@@ -54,7 +54,7 @@ enum VerifiedFormat {
     Mesh(MeshFormat),
     Step,
     Points(PointFormat),
-    Program,
+    Program { is_table: bool },
 }
 
 /// The form error's map, and the sheet of a list of points.
@@ -85,10 +85,11 @@ impl Command for Verify<'_> {
             VerifiedFormat::Mesh(format) => codec(format).declares_unit(),
             VerifiedFormat::Step => true,
             VerifiedFormat::Points(_) => false,
-            VerifiedFormat::Program => true,
+            VerifiedFormat::Program { .. } => true,
         };
-        let is_program = matches!(format, VerifiedFormat::Program);
-        program_options(&self.name(), is_program, (align, [ball_mm, nose_mm]))?;
+        let is_program = matches!(format, VerifiedFormat::Program { .. });
+        let is_table = matches!(format, VerifiedFormat::Program { is_table: true });
+        program_options(&self.name(), (is_program, is_table), (align, [ball_mm, nose_mm]))?;
         if declares_unit && units.is_some() {
             return Err(Error::Declared { path: self.name() });
         }
@@ -140,7 +141,9 @@ impl Command for Verify<'_> {
         };
         let found = match format {
             VerifiedFormat::Mesh(format) => self.look(&part, format, bytes)?,
-            VerifiedFormat::Program => self.look_at_program(&part, &bytes)?,
+            VerifiedFormat::Program { is_table } => {
+                self.look_at_program(&part, &bytes, is_table)?
+            }
             _ => self.look_at_body(&part, &bytes)?,
         };
         let map = found.map.as_ref();
@@ -244,7 +247,10 @@ impl Verify<'_> {
             (None, Some("csv" | "xyz" | "txt" | "asc")) => {
                 Ok(VerifiedFormat::Points(PointFormat::Text))
             }
-            (None, Some("ngc" | "nc" | "tap" | "cnc" | "gcode")) => Ok(VerifiedFormat::Program),
+            (None, Some("ngc" | "nc" | "tap" | "cnc" | "gcode")) => {
+                Ok(VerifiedFormat::Program { is_table: false })
+            }
+            (None, Some("xzc")) => Ok(VerifiedFormat::Program { is_table: true }),
             (None, Some("ply")) => Ok(VerifiedFormat::Points(PointFormat::Ply)),
             _ => Err(Error::Format { path: self.name() }),
         }
@@ -331,12 +337,13 @@ impl Verify<'_> {
     }
 
     /// Reads a program, cuts the mirror with it and traces what it leaves.
-    fn look_at_program(&self, part: &Part, bytes: &[u8]) -> Result<Found, Error> {
+    fn look_at_program(&self, part: &Part, bytes: &[u8], is_table: bool) -> Result<Found, Error> {
         let Part { run, design, .. } = part;
         let promise = Promise::exact();
-        let file = FileFacts::of(&self.name(), "ngc", bytes);
+        let file = FileFacts::of(&self.name(), if is_table { "xzc" } else { "ngc" }, bytes);
         let VerifyOptions { ball_mm, nose_mm, .. } = self.options;
         let tool = match nose_mm {
+            Some(nose_mm) if is_table => ProgramTool::NoseInTable(nose_mm),
             Some(nose_mm) => ProgramTool::Nose(nose_mm),
             None => ProgramTool::Ball(ball_mm.unwrap_or_default()),
         };

@@ -6,11 +6,12 @@ use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::Precision;
+use crate::profile::ProgramSpec;
 use crate::program::{ProgramFault, ToolPath, TurningPath};
 use crate::results::{CuttingFault, ProgramFacts};
 use crate::solid::Solid;
-use crate::turning::Meridian;
-use crate::verdict::{CheckedMesh, ProgramCut, turned_cut};
+use crate::turning::{DiscSections, Meridian};
+use crate::verdict::{CheckedMesh, ProgramCut, TurnedShape, axis_faults, turned_cut};
 
 /// What is found of a program beside the picture.
 #[derive(Default)]
@@ -40,12 +41,14 @@ pub(super) enum ProgramTool {
     Ball(f64),
     /// The nose of a tool on a lathe: its radius, mm.
     Nose(f64),
+    /// The same along a table of points.
+    NoseInTable(f64),
 }
 
 /// Reads a program and cuts the mirror of `design` with a tool along its moves.
 ///
 /// # Errors
-/// [`Error::Turning`] of a lathe's program for a mirror that is not round.
+/// [`Error::Turning`] of a lathe's program for a mirror that is not round, or of one with an axis C for a mirror that is no disc.
 pub(super) fn programmed(
     run: &Run,
     design: &Design,
@@ -60,16 +63,16 @@ pub(super) fn programmed(
             };
             run.timer.always(Stage::Cut, || noted(ProgramCut::new(design, &path, ball_mm)))
         }
-        ProgramTool::Nose(nose_mm) => {
-            let profile = run.profile.name.clone();
-            let meridian = Meridian::new(&design.mirror)
-                .map_err(|source| Error::Turning { profile, source })?;
-            let path = match read(run, || TurningPath::read(bytes), |path| &path.tool) {
-                Ok(path) => path,
-                Err(fault) => return Ok(Programmed::Unread(fault)),
+        ProgramTool::Nose(nose_mm) | ProgramTool::NoseInTable(nose_mm) => {
+            let is_table = matches!(tool, ProgramTool::NoseInTable(_));
+            let parse = || match is_table {
+                true => TurningPath::read_table(bytes),
+                false => TurningPath::read(bytes),
             };
-            let turned = || noted(turned_cut(design, &meridian, &path, nose_mm));
-            run.timer.always(Stage::Cut, turned)
+            match read(run, parse, |path| &path.tool) {
+                Ok(path) => turned(run, design, &path, nose_mm)?,
+                Err(fault) => return Ok(Programmed::Unread(fault)),
+            }
         }
     };
     let ProgramCut { mesh, facts, faults, warning } = match cut {
@@ -85,6 +88,29 @@ pub(super) fn programmed(
     let checked = CheckedMesh::new(design, reread, Some(solid.check().clone()));
     let program = Some(facts);
     Ok(Programmed::Cut(Box::new(checked), CutFindings { program, faults, warning }))
+}
+
+/// Turns the mirror of `design` with a nose along a path; of a slow tool servo's profile what the path asks of its axes counts too.
+fn turned(
+    run: &Run,
+    design: &Design,
+    path: &TurningPath,
+    nose_mm: f64,
+) -> Result<Result<ProgramCut, CuttingFault>, Error> {
+    let refused = |source| Error::Turning { profile: run.profile.name.clone(), source };
+    let cut = |shape: &TurnedShape| {
+        run.timer.always(Stage::Cut, || noted(turned_cut(design, shape, path, nose_mm)))
+    };
+    if !path.is_commanded() {
+        let meridian = Meridian::new(&design.mirror).map_err(refused)?;
+        return Ok(cut(&TurnedShape::round(&meridian)));
+    }
+    let sections = DiscSections::new(&design.mirror).map_err(refused)?;
+    let mut found = cut(&TurnedShape::disc(&sections));
+    if let (Ok(cut), ProgramSpec::Servo(spec, _)) = (&mut found, &run.profile.program) {
+        cut.faults.extend(axis_faults(&spec.machine, path));
+    }
+    Ok(found)
 }
 
 /// Reads a program, whose moves are told.
@@ -112,7 +138,7 @@ fn read<P>(
 /// [`Error::Ball`] of a program without a tool, [`Error::Option`] of options that do not go with the file.
 pub(super) fn program_options(
     name: &str,
-    is_program: bool,
+    (is_program, is_table): (bool, bool),
     (align, [ball_mm, nose_mm]): (bool, [Option<f64>; 2]),
 ) -> Result<(), Error> {
     let option = |option, must: &str, found: String| {
@@ -128,6 +154,11 @@ pub(super) fn program_options(
             option(key, "left out but for a program", format!("{mm} with {name}"))
         }
         Some(mm) if !(mm > 0.0 && mm.is_finite()) => option(key, radius, mm.to_string()),
+        Some(mm) if is_table && nose_mm.is_none() => option(
+            "--ball-mm",
+            "left out for a table of points X, Z and C: --nose-mm tells the nose of its tool",
+            mm.to_string(),
+        ),
         Some(_) if ball_mm.is_some() && nose_mm.is_some() => option(
             "--ball-mm",
             "left out with --nose-mm: a program is a mill's or a lathe's",

@@ -23,6 +23,7 @@ mod projection;
 mod reader;
 mod sag;
 mod schema;
+mod servo;
 mod shape;
 mod shell;
 mod shipped;
@@ -56,7 +57,7 @@ pub use obstacle::{CameraBody, ObstacleSpec};
 pub use program::{
     CutterLengths, FinishingSpec, MachineSpec, MillSpec, ProgramSpec, RoughingSpec, SpeedsSpec,
 };
-pub use program_words::{MillControl, StockMaterial, WorkOffset};
+pub use program_words::{MillControl, ProgramControl, StockMaterial, WorkOffset};
 pub use projection::{
     AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,
     StripSpec,
@@ -64,6 +65,7 @@ pub use projection::{
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]
 pub(crate) use schema::{LISTS, TABLES};
+pub use servo::{ServoControl, ServoSpec};
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 pub use shell::ShellSpec;
 pub use shipped::{Shipped, shipped};

@@ -1,7 +1,8 @@
 //! How the mirror is milled or turned: `[program]`, with usual values in place of what is absent.
 
 use super::program_words::{MillControl, StockMaterial, WorkOffset};
-use super::turning::TurnSpec;
+use super::servo::ServoSpec;
+use super::turning::{LatheControl, TurnSpec};
 
 /// The machine that makes the mirror, and how: `program.machine`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,7 +10,9 @@ pub enum ProgramSpec {
     /// A mill of three axes: `"mill3"`.
     Mill(MillSpec),
     /// A lathe: `"turn"`.
-    Turn(TurnSpec),
+    Turn(TurnSpec, LatheControl),
+    /// A lathe whose spindle is an axis, C: `"sts"`.
+    Servo(TurnSpec, ServoSpec),
 }
 
 impl ProgramSpec {
@@ -18,7 +21,7 @@ impl ProgramSpec {
     pub fn mill(&self) -> Option<&MillSpec> {
         match self {
             Self::Mill(spec) => Some(spec),
-            Self::Turn(_) => None,
+            Self::Turn(..) | Self::Servo(..) => None,
         }
     }
 
@@ -26,7 +29,7 @@ impl ProgramSpec {
     pub fn mill_mut(&mut self) -> Option<&mut MillSpec> {
         match self {
             Self::Mill(spec) => Some(spec),
-            Self::Turn(_) => None,
+            Self::Turn(..) | Self::Servo(..) => None,
         }
     }
 
@@ -35,7 +38,7 @@ impl ProgramSpec {
     pub fn polish_um(&self) -> Option<f64> {
         match self {
             Self::Mill(spec) => spec.finishing.polish_um,
-            Self::Turn(spec) => spec.finishing.polish_um,
+            Self::Turn(spec, _) | Self::Servo(spec, _) => spec.finishing.polish_um,
         }
     }
 }

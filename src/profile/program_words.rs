@@ -1,4 +1,4 @@
-//! What programs of mills and lathes choose among: material, control, offset of the zero point.
+//! What programs of all machines choose among: material, control, offset of the zero point.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,10 +17,8 @@ pub enum StockMaterial {
     Wax,
 }
 
-/// What a control reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
+/// What the control of a mill reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MillControl {
     /// LinuxCNC.
     Linuxcnc,
@@ -28,6 +26,21 @@ pub enum MillControl {
     Grbl,
     /// Fanuc and what reads its programs.
     Fanuc,
+}
+
+/// What a control reads, of any machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum ProgramControl {
+    /// LinuxCNC.
+    Linuxcnc,
+    /// Grbl and its relatives.
+    Grbl,
+    /// Fanuc and what reads its programs.
+    Fanuc,
+    /// A table of points.
+    Xzc,
 }
 
 /// Offset of a zero point: the number of its word, G54 to G59.
@@ -74,6 +87,24 @@ impl MillControl {
     /// All.
     pub const ALL: [Self; 3] = [Self::Linuxcnc, Self::Grbl, Self::Fanuc];
 
+    /// Itself among the controls of all machines.
+    #[must_use]
+    pub fn control(self) -> ProgramControl {
+        match self {
+            Self::Linuxcnc => ProgramControl::Linuxcnc,
+            Self::Grbl => ProgramControl::Grbl,
+            Self::Fanuc => ProgramControl::Fanuc,
+        }
+    }
+
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.control().name()
+    }
+}
+
+impl ProgramControl {
     /// Its name in a profile.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -81,6 +112,16 @@ impl MillControl {
             Self::Linuxcnc => "linuxcnc",
             Self::Grbl => "grbl",
             Self::Fanuc => "fanuc",
+            Self::Xzc => "xzc",
+        }
+    }
+
+    /// Ending of its programs' names, which is that of their format.
+    #[must_use]
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Linuxcnc | Self::Grbl | Self::Fanuc => "ngc",
+            Self::Xzc => "xzc",
         }
     }
 }

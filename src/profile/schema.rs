@@ -333,6 +333,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "nose_mm",
             "inner_edge_deg",
             "outer_edge_deg",
+            "clearance_deg",
             "stepover_mm",
             "feed_mm_rev",
             "scallop_um",

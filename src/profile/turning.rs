@@ -1,14 +1,12 @@
-//! How the mirror is turned: `[program]` with `machine = "turn"`.
+//! How the mirror is turned: `[program]` with `machine = "turn"`, and of a slow tool servo what it has in common with that.
 
-use super::program_words::{MillControl, StockMaterial, WorkOffset};
+use super::program_words::{ProgramControl, StockMaterial, WorkOffset};
 
-/// How a round mirror is faced on a lathe, whose spindle is the mirror's axis.
+/// How a mirror is faced on a lathe, whose spindle is the mirror's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnSpec {
     /// What the stock is of.
     pub material: StockMaterial,
-    /// What the control reads.
-    pub control: LatheControl,
     /// Offset of the zero point that the program calls for.
     pub work_offset: WorkOffset,
     /// What the bar stands over the part around it and on top, mm.
@@ -91,12 +89,12 @@ impl LatheControl {
     /// All.
     pub const ALL: [Self; 2] = [Self::Linuxcnc, Self::Fanuc];
 
-    /// Its name among all controls.
+    /// Itself among the controls of all machines.
     #[must_use]
-    pub fn control(self) -> MillControl {
+    pub fn control(self) -> ProgramControl {
         match self {
-            Self::Linuxcnc => MillControl::Linuxcnc,
-            Self::Fanuc => MillControl::Fanuc,
+            Self::Linuxcnc => ProgramControl::Linuxcnc,
+            Self::Fanuc => ProgramControl::Fanuc,
         }
     }
 }
@@ -106,7 +104,6 @@ impl Default for TurnSpec {
     fn default() -> Self {
         Self {
             material: StockMaterial::Aluminium,
-            control: LatheControl::Linuxcnc,
             work_offset: WorkOffset::FIRST,
             stock_mm: 1.0,
             // An insert of 35 degrees (ISO 1832: V) that stands straight, as in a holder of the form SVVCN.

@@ -1,5 +1,6 @@
 //! RS-274 text of a lathe to moves in a half-plane, with the turns that the spindle makes meanwhile.
 
+use super::commanded::{CommandedAxis, SpindleTurn};
 use super::lathe_words::LatheState;
 use super::lines::each_line;
 use super::modal::ControlState;
@@ -14,23 +15,26 @@ const MOST_TURNS: f64 = 1e6;
 pub struct TurningPath {
     /// The moves of the tool point, with their feeds in mm/min; a dwell is one that ends where it begins.
     pub tool: ToolPath,
-    /// Turns of the spindle in each move; 0 of rapid ones, whose phase is not known.
+    /// Turns of the spindle in each move; 0 of rapid ones.
     pub turns: Vec<f64>,
+    /// Where C is in each move; none of a spindle that turns freely, whose phase is that of its turns.
+    pub commanded: Vec<SpindleTurn>,
 }
 
 impl TurningPath {
-    /// The moves of a program of a lathe.
+    /// The moves of a program of a lathe, or of a slow tool servo, whose spindle is an axis.
     ///
     /// Known are the words of [`ToolPath::read`] but for Y and J, and G7 and G8 (X as a diameter or a radius), G94 and G95 (feed a minute
     /// or in a turn), G96 and G97 (speed of the surface, limited by D, or of the spindle), and of Fanuc's system A, where X is a
     /// diameter, G98 and G99 (these feeds) and G50 S (the limit). Without any of these X is a radius, as LinuxCNC has it. I is the
-    /// distance of a centre, never twice that.
+    /// distance of a centre, never twice that. Of a program with C, an axis in degrees, G93 and G94 tell the times of moves; M3 and M4 are
+    /// refused beside it.
     ///
     /// # Errors
     /// [`ProgramFault`] with the line of what is not known, or contradicts itself.
     pub fn read(bytes: &[u8]) -> Result<Self, ProgramFault> {
         let (mut turns, mut lathe) = (Vec::new(), LatheState::default());
-        let mut all = 0.0;
+        let (mut all, mut axis) = (0.0, CommandedAxis::default());
         let tool =
             each_line(bytes, ControlState::new(), Vocabulary::Lathe, |block, state, path| {
                 let fault = |reason| ProgramFault::Line { line: block.line(), reason };
@@ -46,13 +50,18 @@ impl TurningPath {
                 state.scale[0] = lathe.x_scale();
                 let first = path.moves.len();
                 block.run(state, &mut path.moves)?;
-                if let Some(x) = block.dwell() {
-                    hold(block, state, (&lathe, lathe.dwell_s(words, x)), (path, &mut turns));
+                if axis.take(block, words, (state, &lathe), (&mut *path, first)).map_err(fault)? {
+                    turns.extend(axis.turns_from(turns.len()));
+                } else {
+                    let seconds = block.dwell().map(|x| lathe.dwell_s(words, x));
+                    if let Some(seconds) = seconds {
+                        hold(block, state, (&lathe, seconds), (path, &mut turns));
+                    }
+                    for step in &mut path.moves[turns.len().max(first)..] {
+                        turns.push(turned(step, &lathe, state.unit_mm).map_err(fault)?);
+                    }
                 }
-                for step in &mut path.moves[turns.len().max(first)..] {
-                    turns.push(turned(step, &lathe, state.unit_mm).map_err(fault)?);
-                }
-                all += turns[first..].iter().sum::<f64>();
+                all += turns[first..].iter().map(|turns| turns.abs()).sum::<f64>();
                 if !(all <= MOST_TURNS) {
                     let reason =
                         format!("more than {MOST_TURNS:.0e} turns of the spindle up to here");
@@ -60,13 +69,31 @@ impl TurningPath {
                 }
                 Ok(())
             })?;
-        Ok(Self { tool, turns })
+        Ok(Self { tool, turns, commanded: axis.finish() })
+    }
+
+    /// Whether the spindle is an axis that the program turns.
+    #[must_use]
+    pub fn is_commanded(&self) -> bool {
+        !self.commanded.is_empty()
+    }
+
+    /// Time of the cutting moves, minutes; starts and stops take longer.
+    #[must_use]
+    pub fn cutting_min(&self) -> f64 {
+        match self.is_commanded() {
+            true => self.commanded.iter().map(|turn| turn.minutes).sum(),
+            false => self.tool.cutting_min(),
+        }
     }
 }
 
 /// Turns in a move, whose feed becomes one in mm/min.
 fn turned(step: &mut ToolMove, lathe: &LatheState, unit_mm: f64) -> Result<f64, String> {
     let Some(feed) = step.feed else { return Ok(0.0) };
+    if lathe.is_inverse_time {
+        return Err("times of moves, G93, without C, the axis that they are for".into());
+    }
     // At an even speed of the surface the time of a turn grows with the distance from the axis: in the mean it is that in the middle.
     let rpm = lathe.rpm(0.5 * (step.from.x + step.to.x), unit_mm)?;
     let length = step.from.distance(step.to);

@@ -20,6 +20,9 @@ impl CodeSystem {
     }
 }
 
+/// The largest angle of C: a million turns.
+const MOST_DEGREES: f64 = 3.6e8;
+
 /// Lathe words of a line.
 #[derive(Debug, Default)]
 pub(super) struct LatheWords {
@@ -32,6 +35,9 @@ pub(super) struct LatheWords {
     spindle: Option<f64>,
     limit: Option<f64>,
     time: Option<f64>,
+    /// C, degrees.
+    pub angle: Option<f64>,
+    is_inverse_time: Option<bool>,
     /// M3 and M4, or M5.
     pub turns: Option<bool>,
 }
@@ -42,6 +48,11 @@ impl LatheWords {
         let system = match tenths {
             70 | 80 | 900 | 901 | 910 | 911 | 940 | 950 => CodeSystem::B,
             500 | 980 | 990 => CodeSystem::A,
+            // Feeds are what of a minute moves take, in both systems.
+            930 => {
+                self.is_inverse_time = Some(true);
+                return Ok(true);
+            }
             960 => {
                 self.is_surface_speed = Some(true);
                 return Ok(true);
@@ -56,6 +67,9 @@ impl LatheWords {
         if let Some(before) = others {
             return Err(mixed(system, before));
         }
+        if matches!(tenths, 940 | 950 | 980 | 990) {
+            self.is_inverse_time = Some(false);
+        }
         match tenths {
             70 => self.is_diameter = Some(true),
             80 => self.is_diameter = Some(false),
@@ -67,17 +81,19 @@ impl LatheWords {
         Ok(matches!(tenths, 70 | 80 | 500 | 950 | 980 | 990))
     }
 
-    /// Takes in the number of S, D or P.
+    /// Takes in the number of S, D, P or C.
     pub(super) fn add_number(&mut self, letter: char, number: f64) -> Result<(), String> {
         let slot = match letter {
             'S' => &mut self.spindle,
             'D' => &mut self.limit,
+            'C' => &mut self.angle,
             _ => &mut self.time,
         };
         if slot.replace(number).is_some() {
             return Err(format!("{letter} twice"));
         }
-        if !(0.0..=1e6).contains(&number) {
+        let range = if letter == 'C' { -MOST_DEGREES..=MOST_DEGREES } else { 0.0..=1e6 };
+        if !range.contains(&number) {
             return Err(format!("{letter} is beyond any machine"));
         }
         Ok(())
@@ -100,6 +116,8 @@ pub(super) struct LatheState {
     /// Whether feeds are those of a turn.
     pub is_per_turn: bool,
     is_surface_speed: bool,
+    /// Whether feeds are inverses of moves' times.
+    pub is_inverse_time: bool,
     /// Speed of the spindle, 1/min, or that of the surface, m/min or ft/min.
     spindle: Option<f64>,
     limit_rpm: Option<f64>,
@@ -118,6 +136,7 @@ impl LatheState {
         self.is_diameter = words.is_diameter.or(self.is_diameter);
         self.is_per_turn = words.is_per_turn.unwrap_or(self.is_per_turn);
         self.is_surface_speed = words.is_surface_speed.unwrap_or(self.is_surface_speed);
+        self.is_inverse_time = words.is_inverse_time.unwrap_or(self.is_inverse_time);
         self.turns = words.turns.unwrap_or(self.turns);
         self.limit_rpm = words.limit.or(self.limit_rpm);
         if words.is_limit {
@@ -138,6 +157,11 @@ impl LatheState {
     pub(super) fn x_scale(&self) -> f64 {
         let is_diameter = self.is_diameter.unwrap_or(self.system == Some(CodeSystem::A));
         if is_diameter { 0.5 } else { 1.0 }
+    }
+
+    /// Whether M3 or M4 is in force.
+    pub(super) fn is_turning(&self) -> bool {
+        self.turns
     }
 
     /// Speed of the spindle with the tool at a distance from the axis, mm, 1/min.

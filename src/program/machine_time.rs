@@ -72,6 +72,32 @@ impl MachineLimits {
         MachineTime { at_feed_min, changing_min, rapid_min, speeds_mm_min: mean_speeds(&reached) }
     }
 
+    /// Time for `moves` of which each cutting one takes the minutes that it is told, at whatever speed.
+    #[must_use]
+    pub fn told_time(&self, moves: &[ToolMove], minutes: &[f64]) -> MachineTime {
+        let mut found = MachineTime::default();
+        let mut reached = vec![[0.0; 2]];
+        let (mut seconds, mut way) = (0.0, 0.0);
+        for (step, &minutes) in moves.iter().zip(minutes) {
+            let length = step.from.distance(step.to);
+            let rapid_min = match step.feed {
+                Some(_) => 0.0,
+                None => {
+                    let limit = self.rapid_mm_min / 60.0;
+                    let parts = phases(length, limit, [0.0; 2], self.acceleration_mm_s2);
+                    parts.iter().sum::<f64>() / 60.0
+                }
+            };
+            found.at_feed_min += minutes;
+            found.rapid_min += rapid_min;
+            seconds += 60.0 * (minutes + rapid_min);
+            way += length;
+            reached.push([seconds, way]);
+        }
+        found.speeds_mm_min = mean_speeds(&reached);
+        found
+    }
+
     /// Speed of a move where it is fastest, mm/s.
     fn speed(&self, step: &ToolMove) -> f64 {
         step.feed.unwrap_or(self.rapid_mm_min) / 60.0
@@ -182,6 +208,18 @@ mod tests {
         assert!((mean - 20.0 / found.minutes()).abs() < 1e-9, "{mean}");
         assert!((found.speeds_mm_min[PARTS / 2] - 10.0 / (1.02 / 60.0)).abs() < 1e-9);
         assert_eq!(LIMITS.time(&[]), MachineTime::default());
+    }
+
+    /// A cut of 3 mm that is told to take half a minute, and 10 mm of a rapid move from rest to rest.
+    #[test]
+    fn told_times_are_taken_as_they_are() {
+        let mut moves = path(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::X * 13.0], 600.0);
+        moves[1].feed = None;
+        let found = LIMITS.told_time(&moves, &[0.5, 0.0]);
+        assert_eq!((found.at_feed_min, found.changing_min), (0.5, 0.0));
+        assert!((60.0 * found.rapid_min - 2.0 * f64::sqrt(10.0 / 500.0)).abs() < 1e-12);
+        let mean = found.speeds_mm_min.iter().sum::<f64>() / PARTS as f64;
+        assert!((mean - 13.0 / found.minutes()).abs() < 1e-9, "{mean}");
     }
 
     /// The speed over each place of the path is the least that the feed and every corner before and after it allow; its inverse,

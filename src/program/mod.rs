@@ -3,6 +3,7 @@
 //! - [`ToolPath::read`] reads the RS-274 text (G code): modal words to straight moves of the tool's tip, arcs as chords.
 //!   What it does not know it refuses by line and name: nothing is skipped.
 //! - [`TurningPath::read`] reads that of lathes: moves in a half-plane, and the turns of the spindle meanwhile.
+//! - [`TurningPath::read_table`] reads tables of points X, Z and C, the axis that the spindle of a slow tool servo is.
 //! - [`SweptBall`] is what a ball cutter along those moves leaves: the lowest place of all balls over each place of the plan.
 //! - [`StockMap`] is a block that is cut move by move: rapid moves that meet what is left are found, and what is highest beside the
 //!   cutter, of which its shank and its holder are to stay clear.
@@ -12,7 +13,9 @@
 //! The room knows no mirror and no profile, so what it finds of a program is of the program alone.
 
 mod arc;
+mod axis_rates;
 mod band_heights;
+mod commanded;
 mod coverage;
 mod lathe;
 mod lathe_words;
@@ -26,7 +29,10 @@ mod swept_ball;
 mod turned_bar;
 mod turned_surface;
 mod words;
+mod xzc_table;
 
+pub use axis_rates::{AxisRate, AxisRates};
+pub use commanded::SpindleTurn;
 pub use coverage::PathCoverage;
 pub use lathe::TurningPath;
 pub use machine_time::{MachineLimits, MachineTime};

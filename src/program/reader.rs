@@ -97,7 +97,7 @@ impl LineWords {
             'K' => &mut self.centre[2],
             'R' => &mut self.radius,
             'F' => &mut self.feed,
-            'S' | 'D' | 'P' if self.lathe.is_some() => {
+            'S' | 'D' | 'P' | 'C' if self.lathe.is_some() => {
                 let added = self.lathe.as_mut().map(|lathe| lathe.add_number(letter, number));
                 return added.unwrap_or(Ok(())).or_else(|reason| self.fault(reason));
             }
@@ -188,6 +188,16 @@ impl LineWords {
     /// Whether it tells a place.
     pub(super) fn has_axes(&self) -> bool {
         self.axes.iter().any(Option::is_some)
+    }
+
+    /// F of the line itself, in the program's unit.
+    pub(super) fn feed(&self) -> Option<f64> {
+        self.feed
+    }
+
+    /// Whether it is a command that is no mode: a dwell, or a way to places of the machine.
+    pub(super) fn is_command(&self) -> bool {
+        self.special.is_some()
     }
 
     /// Sets modes, and moves.

@@ -4,6 +4,8 @@
 //! once in a turn, when the spindle has made `s + k` turns: what is left there is outside all circles about the nose's centres at these
 //! moments. A circle that reaches beyond the axis meets the part on the other side, half a turn later.
 //!
+//! Where C, an axis, turns the spindle, its places are those of the program; else it makes the turns of one move after those of another.
+//!
 //! Lower sides of two circles of one radius cross once: that of the centre farther out is the lower one outwards. So the section at
 //! an azimuth follows from the circles in the order of their centres, each of which is the lowest between two crossings or nowhere.
 
@@ -24,7 +26,7 @@ pub struct TurnedSurface {
 struct Pass {
     from: DVec2,
     to: DVec2,
-    /// Turns before it, and in it.
+    /// Turns before it, and in it, negative where C turns back.
     begin: f64,
     turns: f64,
     /// Number of the move.
@@ -60,16 +62,17 @@ impl TurnedSurface {
     /// The surface that a nose leaves whose tool point, a radius nearer to the axis and lower than its centre, follows a path.
     #[must_use]
     pub fn new(path: &TurningPath, nose_mm: f64) -> Self {
-        let (mut passes, mut begin) = (Vec::new(), 0.0);
+        let (mut passes, mut all) = (Vec::new(), 0.0);
         for (step, (moved, &turns)) in path.tool.moves.iter().zip(&path.turns).enumerate() {
-            if turns > 0.0 {
+            if turns != 0.0 {
                 let [from, to] =
                     [moved.from, moved.to].map(|at| DVec2::new(at.x + nose_mm, at.z + nose_mm));
+                let begin = path.commanded.get(step).map_or(all, |turn| turn.begin);
                 passes.push(Pass { from, to, begin, turns, step });
-                begin += turns;
+                all += turns.abs();
             }
         }
-        Self { nose_mm, passes, turns: begin }
+        Self { nose_mm, passes, turns: all }
     }
 
     /// Turns of the spindle on all moves with a feed.
@@ -81,6 +84,12 @@ impl TurnedSurface {
     /// What is left at the azimuth of this share of a turn, from 0 to 1.
     #[must_use]
     pub fn section(&self, share: f64) -> TurnedSection {
+        TurnedSection::new(self.centres(share), self.nose_mm)
+    }
+
+    /// Centres of the nose as that azimuth passes it, in the order of the moves, with their numbers; a negative distance is one beyond the
+    /// axis, where the other side passes.
+    pub(super) fn centres(&self, share: f64) -> Vec<(DVec2, usize)> {
         let mut centres: Vec<(DVec2, usize)> = Vec::new();
         for pass in &self.passes {
             let centre = |turn: f64| {
@@ -88,14 +97,15 @@ impl TurnedSurface {
                 pass.from + (pass.to - pass.from) * along
             };
             let end = pass.begin + pass.turns;
-            let mut turn = share + (pass.begin - share).ceil();
+            let [begin, end] = [pass.begin.min(end), pass.begin.max(end)];
+            let mut turn = share + (begin - share).ceil();
             while turn <= end {
                 centres.push((centre(turn), pass.step));
                 turn += 1.0;
             }
             // On the other side of the axis.
             if pass.from.x.min(pass.to.x) < self.nose_mm {
-                let mut turn = share + 0.5 + (pass.begin - share - 0.5).ceil();
+                let mut turn = share + 0.5 + (begin - share - 0.5).ceil();
                 while turn <= end {
                     let at = centre(turn);
                     centres.push((DVec2::new(-at.x, at.y), pass.step));
@@ -104,7 +114,7 @@ impl TurnedSurface {
             }
         }
         centres.retain(|(at, _)| at.x > -self.nose_mm);
-        TurnedSection::new(centres, self.nose_mm)
+        centres
     }
 }
 
@@ -288,6 +298,38 @@ mod tests {
             assert!((a - b - 0.05).abs() < 1e-9, "{a} {b}");
         }
         assert!((surface.turns() - 300.0).abs() < 1e-9);
+    }
+
+    /// At each azimuth the nose is where C was commanded to, forwards or backwards: over a spiral that falls a millimetre in a quarter of
+    /// each turn and rises again in the rest, circles have those heights at each azimuth.
+    #[test]
+    fn a_commanded_spindle_has_the_heights_of_its_azimuths() {
+        let height =
+            |share: f64| if share < 0.25 { 5.0 - 4.0 * share } else { 3.667 + 1.333 * share };
+        for way in [1.0, -1.0] {
+            let at = |k: usize| {
+                let turn = k as f64 / 40.0;
+                (
+                    DVec3::new(10.0 - 0.1 * turn - 0.8, 0.0, height(turn.fract()) - 0.8),
+                    0.5 + way * turn,
+                )
+            };
+            let mut path = TurningPath::default();
+            for k in 0..400 {
+                let ([from, to], [begin, end]) = ([at(k).0, at(k + 1).0], [at(k).1, at(k + 1).1]);
+                path.tool.moves.push(ToolMove { from, to, feed: Some(1.0), line: 1 });
+                path.turns.push(end - begin);
+                path.commanded.push(crate::program::SpindleTurn { begin, end, minutes: 1.0 });
+            }
+            let surface = TurnedSurface::new(&path, 0.8);
+            assert!((surface.turns() - 10.0).abs() < 1e-9);
+            for part in [0.1_f64, 0.2, 0.6, 0.9] {
+                let section = surface.section((0.5 + way * part).rem_euclid(1.0));
+                // Right below a centre.
+                let z = section.lowest(10.0 - 0.1 * (3.0 + part)).unwrap().z_mm;
+                assert!((z - height(part) + 0.8).abs() < 1e-9, "{way} {part}: {z}");
+            }
+        }
     }
 
     /// A nose that goes half its radius beyond the axis cuts as deep on the other side, half a turn later.

@@ -7,9 +7,10 @@ use super::milling_plots::{section_figure, speeds_figure, times_figure};
 use super::page::{map_figure, page_of};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
-    AsCutFacts, LeftFacts, LengthFacts, OperationFacts, ProgramReport, error_px, figures,
-    three_digits,
+    AsCutFacts, LeftFacts, LengthFacts, OperationFacts, ProgramReport, ServoFacts, error_px,
+    figures, three_digits,
 };
+use crate::turning::ServoLimit;
 
 /// What is left on a mirror after a program.
 pub enum LeftPicture {
@@ -36,7 +37,8 @@ impl ProgramReport {
             let map = match picture {
                 LeftPicture::Map(map) => map,
                 LeftPicture::Section(section) => {
-                    figures.push(section_figure(operation, section));
+                    let is_round = self.operations.iter().all(|done| done.servo.is_none());
+                    figures.push(section_figure(operation, section, is_round));
                     continue;
                 }
             };
@@ -90,7 +92,9 @@ impl Answer for ProgramReport {
                 stock.allowance_mm
             ),
         );
+        let is_servo = self.operations.iter().any(|operation| operation.servo.is_some());
         let middle = match self.is_turned() {
+            true if is_servo => "X0 on the spindle's axis, X a radius, C0 towards the part's X",
             true => "X0 on the spindle's axis, X a diameter",
             false => "X0 Y0 below the camera's axis, in the middle of the mirror",
         };
@@ -224,7 +228,26 @@ impl ToRows for OperationFacts {
                     1e-3 * rapid_mm
                 ),
             );
+            if let Some(servo) = &self.servo {
+                rows.add("", servo.words());
+            }
         });
+    }
+}
+
+impl ServoFacts {
+    /// Its points, and what its axes do at their most.
+    fn words(&self) -> String {
+        let Self { points_rev, acceleration_mm_s2, speed_mm_min, limited_by } = self;
+        let why = match limited_by {
+            ServoLimit::Acceleration => "the acceleration holds C down",
+            ServoLimit::Speed => "the speed of X and Z holds C down",
+            ServoLimit::Spindle => "C is as fast as it may",
+        };
+        let [acceleration, speed] = [*acceleration_mm_s2, *speed_mm_min].map(three_digits);
+        format!(
+            "{points_rev} points in a turn; {acceleration} mm/s^2 and {speed} mm/min at most: {why}"
+        )
     }
 }
 

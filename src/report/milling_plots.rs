@@ -45,10 +45,15 @@ pub(super) fn times_figure(operations: &[OperationFacts]) -> Option<Figure> {
     Some(Figure {
         title: title.into(),
         body: diagram.svg(title),
-        caption: format!(
-            "Each bar and its figures from the left: at the feed, then speeding up, slowing down and in corners, then rapid moves. \
-             {share} % of all the time is speed that changes: that is what a machine with more acceleration saves."
-        ),
+        caption: match operations.iter().all(|done| done.servo.is_some()) {
+            true => {
+                "Each bar is the time that the moves are told to take, lifts included.".to_owned()
+            }
+            false => format!(
+                "Each bar and its figures from the left: at the feed, then speeding up, slowing down and in corners, then rapid moves. \
+                 {share} % of all the time is speed that changes: that is what a machine with more acceleration saves."
+            ),
+        },
     })
 }
 
@@ -73,15 +78,20 @@ pub(super) fn speeds_figure(operation: &OperationFacts, speeds_mm_min: &[f64]) -
     Figure {
         body: diagram.svg(&title),
         title,
-        caption: format!(
-            "Over the time of the program. {share} % of it runs at the feed; above it are rapid moves, below it corners and the ends \
-             of moves, where the machine's acceleration holds it back."
-        ),
+        caption: match operation.servo {
+            Some(_) => "Over the time of the program: X and Z follow the mirror around the axis, while X alone goes inwards by the feed. \
+                        Peaks are lifts."
+                .to_owned(),
+            None => format!(
+                "Over the time of the program. {share} % of it runs at the feed; above it are rapid moves, below it corners and the \
+                 ends of moves, where the machine's acceleration holds it back."
+            ),
+        },
     }
 }
 
 /// What a program of a lathe leaves along the radius: distance from the axis (mm), the least and the most of all azimuths (um).
-pub(super) fn section_figure(operation: &str, section: &[[f64; 3]]) -> Figure {
+pub(super) fn section_figure(operation: &str, section: &[[f64; 3]], is_round: bool) -> Figure {
     // Of places that are nearer to each other than the plot shows, the extremes.
     let part = section.len().div_ceil(PLACES).max(1);
     let parts: Vec<[f64; 3]> = section
@@ -106,12 +116,16 @@ pub(super) fn section_figure(operation: &str, section: &[[f64; 3]]) -> Figure {
         plot.line(Stroke::solid(ink, 1.0), parts.iter().map(|place| [place[0], place[k]]));
     }
     let title = format!("Left after {operation}, um");
+    let along = match is_round {
+        true => "along the mirror's normal",
+        false => "within the mirror's sections",
+    };
     Figure {
         body: diagram.svg(&title),
         title,
         caption: format!(
             "Along the radius: the most (upper line) and the least (lower line) of all azimuths that the program of {operation}, read back, leaves \
-             along the mirror's normal. Cusps between turns lie between both."
+             {along}. Cusps between turns lie between both."
         ),
     }
 }

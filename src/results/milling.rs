@@ -3,8 +3,9 @@
 use super::{AsCutFacts, FileFacts, ProfileId, ProgramFacts, Reason, StockFacts, Verdict};
 use crate::milling::{OperationKind, Speeds};
 use crate::num::stats::{Summary, or_null};
-use crate::profile::{AcceptanceLimits, MillControl, StockMaterial};
+use crate::profile::{AcceptanceLimits, ProgramControl, StockMaterial};
 use crate::trace::FrameFill;
+use crate::turning::ServoLimit;
 use serde::Serialize;
 
 /// Programs that mill or turn a mirror: `program.json`.
@@ -18,7 +19,7 @@ pub struct ProgramReport {
     /// What the stock is of.
     pub material: StockMaterial,
     /// What the control reads.
-    pub control: MillControl,
+    pub control: ProgramControl,
     /// The offset whose zero is on the part's base, below the camera's axis.
     pub work_offset: String,
     /// The block, or the box around the bar.
@@ -79,6 +80,9 @@ pub struct OperationFacts {
     /// Feed in a turn of the spindle, mm; none of a mill.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed_mm_rev: Option<f64>,
+    /// What the axes of a slow tool servo do; none of other machines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoFacts>,
     /// Levels; 1 of what follows the surface.
     pub levels: usize,
     /// What it is to leave on the mirror, mm.
@@ -108,6 +112,20 @@ pub struct OperationFacts {
     pub flute: Option<LengthFacts>,
     /// Length of the cutter out of its holder; none where nothing is in the way of that.
     pub stickout: Option<LengthFacts>,
+}
+
+/// What the axes of a slow tool servo do in a program, as it was read back.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct ServoFacts {
+    /// Points of a turn of C.
+    pub points_rev: usize,
+    /// Largest acceleration of X or Z, mm/s^2.
+    pub acceleration_mm_s2: f64,
+    /// Largest speed of X or Z, mm/min.
+    pub speed_mm_min: f64,
+    /// What holds the speed of C down.
+    pub limited_by: ServoLimit,
 }
 
 /// Length of a part of a cutter from its tip up, beyond which it must be to stay clear of the stock.

@@ -52,7 +52,7 @@ pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
 };
 pub use measured::{AlignmentFacts, UnitFacts};
-pub use milling::{LeftFacts, LengthFacts, OperationFacts, ProgramReport};
+pub use milling::{LeftFacts, LengthFacts, OperationFacts, ProgramReport, ServoFacts};
 pub use program::{CutDeparture, ProgramFacts};
 pub use reason::{Reason, ReasonKind};
 pub use render::RenderReport;

@@ -160,6 +160,32 @@ pub enum CuttingFault {
         /// X and Y, mm.
         at_mm: [f64; 2],
     },
+    /// An axis is to change its speed faster than the machine can.
+    #[error(
+        "the move of line {line} asks for {found_mm_s2:.0} mm/s^2 of X or Z, over the machine's {limit_mm_s2} mm/s^2, \
+         program.acceleration_mm_s2"
+    )]
+    Acceleration {
+        /// Line of the program.
+        line: u32,
+        /// The acceleration, mm/s^2.
+        found_mm_s2: f64,
+        /// The machine's, mm/s^2.
+        limit_mm_s2: f64,
+    },
+    /// An axis is to go faster than the machine can.
+    #[error(
+        "the move of line {line} asks for {found_mm_min:.0} mm/min of X or Z, over the machine's {limit_mm_min} mm/min, \
+         program.rapid_mm_min"
+    )]
+    AxisSpeed {
+        /// Line of the program.
+        line: u32,
+        /// The speed, mm/min.
+        found_mm_min: f64,
+        /// The machine's, mm/min.
+        limit_mm_min: f64,
+    },
     /// A move goes below the part's base.
     #[error(
         "the move of line {line} goes to Z {z_mm:.3} mm, below the part's base, on which it is clamped"

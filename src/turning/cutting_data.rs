@@ -1,6 +1,6 @@
 //! Feeds and speeds to begin with, by the material of the bar.
 
-use crate::num::rounding::significant;
+use crate::num::rounding::{floor_four_digits, significant};
 use crate::profile::{StockMaterial, TurnSpec};
 
 /// What is usual of a material, of carbide inserts without coolant on light lathes.
@@ -43,6 +43,41 @@ pub fn usual_feed_mm(spec: &TurnSpec) -> f64 {
 /// Step from level to level, mm.
 pub(super) fn stepdown_mm(spec: &TurnSpec) -> f64 {
     spec.roughing.stepdown_mm.unwrap_or_else(|| usual(spec.material).stepdown_mm)
+}
+
+/// What semi-finishing leaves over what roughing does: chips that are even, and no thinner than a nose's edge is sharp.
+const SEMI_LEAVES: f64 = 1.0 / 3.0;
+/// Largest cusps of roughing and semi-finishing over what they leave: it is to be left within 10 %.
+const CUSP: f64 = 0.05;
+
+/// Feeds of what comes before finishing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OperationFeeds {
+    /// Of roughing in a turn, mm.
+    pub rough_feed_mm: f64,
+    /// What semi-finishing leaves, mm.
+    pub even_mm: f64,
+    /// Of semi-finishing in a turn, mm.
+    pub even_feed_mm: f64,
+}
+
+impl OperationFeeds {
+    /// Those before a finishing with this feed, mm.
+    pub(super) fn new(spec: &TurnSpec, feed_mm: f64) -> Self {
+        let rough = &spec.roughing;
+        let even_mm = significant(SEMI_LEAVES * rough.allowance_mm, 3);
+        Self {
+            rough_feed_mm: rough.feed_mm_rev.unwrap_or_else(|| feed_for(spec, rough.allowance_mm)),
+            even_mm,
+            even_feed_mm: feed_for(spec, even_mm).max(feed_mm),
+        }
+    }
+}
+
+/// The feed whose cusps are within their share of what is left, mm, but no more than that of roughing.
+fn feed_for(spec: &TurnSpec, left_mm: f64) -> f64 {
+    let widest = f64::sqrt(8.0 * spec.nose.radius_mm * CUSP * left_mm);
+    floor_four_digits(usual_feed_mm(spec).min(widest))
 }
 
 #[cfg(test)]

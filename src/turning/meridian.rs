@@ -3,7 +3,6 @@
 use super::TurningError;
 use crate::geom::{DVec2, Outline};
 use crate::mirror::Mirror;
-use crate::num::{atan, degrees};
 
 /// Places along the meridian at which it is looked at for what is steepest and most hollow.
 const PLACES: usize = 2000;
@@ -16,14 +15,14 @@ pub struct Meridian<'a> {
     ends: [f64; 2],
 }
 
-/// A place of a meridian.
+/// A place of a mirror's section with a half-plane through the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeridianPlace {
     /// Distance from the axis, and Z, mm.
     pub at: DVec2,
     /// dZ / d(distance).
     pub slope: f64,
-    /// Curvature, 1/mm: positive where the meridian is hollow, seen from above.
+    /// Curvature, 1/mm: positive where the section is hollow, seen from above.
     pub curvature: f64,
 }
 
@@ -34,7 +33,7 @@ impl MeridianPlace {
         DVec2::new(-self.slope, 1.0) / self.stretch()
     }
 
-    /// Length of the meridian over its length along X: sqrt(1 + slope^2).
+    /// Length of the section over its length along X: sqrt(1 + slope^2).
     #[must_use]
     pub fn stretch(&self) -> f64 {
         (1.0 + self.slope * self.slope).sqrt()
@@ -89,7 +88,7 @@ impl<'a> Meridian<'a> {
     }
 
     /// Evenly spaced places from the outer rim to the inner one.
-    pub fn places(&self) -> impl Iterator<Item = MeridianPlace> + '_ {
+    pub fn places(&self) -> impl Iterator<Item = MeridianPlace> + Clone + '_ {
         let [inner, outer] = self.ends;
         let share = |k: usize| k as f64 / PLACES as f64;
         (0..=PLACES).map(move |k| self.at(outer + share(k) * (inner - outer)))
@@ -106,40 +105,5 @@ impl<'a> Meridian<'a> {
     #[must_use]
     pub fn steepest(&self) -> f64 {
         self.places().map(|place| place.slope.abs()).fold(0.0, f64::max)
-    }
-
-    /// That a nose of radius `nose_mm` which leaves `allowance_mm` fits where the meridian is most hollow.
-    ///
-    /// # Errors
-    /// [`TurningError::Hollow`].
-    pub(super) fn holds(&self, nose_mm: f64, allowance_mm: f64) -> Result<(), TurningError> {
-        let hollow = self.places().max_by(|a, b| a.curvature.total_cmp(&b.curvature));
-        match hollow {
-            Some(place) if place.curvature * (nose_mm + allowance_mm) >= 1.0 => {
-                let (radius_mm, hollow_mm) = (place.at.x, 1.0 / place.curvature);
-                Err(TurningError::Hollow { radius_mm, hollow_mm, nose_mm, allowance_mm })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// That straight edges of these angles, degrees, on the axis' and on the rim's side of the nose touch nothing.
-    ///
-    /// # Errors
-    /// [`TurningError::Steep`].
-    pub(super) fn clears(&self, [inner_deg, outer_deg]: [f64; 2]) -> Result<(), TurningError> {
-        for (sign, edge_deg, key) in
-            [(-1.0, inner_deg, "inner_edge_deg"), (1.0, outer_deg, "outer_edge_deg")]
-        {
-            let steepest =
-                self.places().max_by(|a, b| (sign * a.slope).total_cmp(&(sign * b.slope)));
-            let Some(place) = steepest else { continue };
-            let slope_deg = degrees(atan(sign * place.slope));
-            if slope_deg > edge_deg {
-                let radius_mm = place.at.x;
-                return Err(TurningError::Steep { radius_mm, slope_deg, edge_deg, key });
-            }
-        }
-        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Turning: the moves of a tool with a round nose that make a round mirror of a bar on a lathe, and the programs that a control reads.
+//! Turning: the moves of a tool with a round nose that make a mirror of a bar on a lathe, and the programs that a control reads.
 //!
 //! # Definitions
 //!
@@ -11,22 +11,34 @@
 //! - **Roughing** faces the bar at levels: at each level the nose goes no lower than that and than its path over the mirror.
 //!   **Semi-finishing** and **finishing** follow the path from the rim to the axis, with a third of the allowance and without.
 //! - The **feed** is what the tool goes in one turn of the spindle, along its path.
+//! - A **slow tool servo** is a lathe whose spindle is an axis, C: at each azimuth the nose has another height, so that the mirror need
+//!   not be round. The section at that azimuth takes the place of the meridian; X goes inwards evenly, and Z follows.
 //!
 //! What is written is proven elsewhere: a reader of its own reads the programs, turns the bar and traces what they leave.
 
 mod bar;
 mod cutting_data;
+mod disc_sections;
 mod facing;
 mod meridian;
+mod nose_heights;
 mod nose_path;
 mod operation;
+mod point_table;
 mod post;
+mod servo_post;
+mod servo_task;
+mod tool_fit;
 
 pub use bar::Bar;
 pub use cutting_data::usual_feed_mm;
-pub use meridian::Meridian;
+pub use disc_sections::{DiscPlace, DiscSections};
+pub use meridian::{Meridian, MeridianPlace};
 pub use operation::{TurnedOperation, TurningTask};
+pub use point_table::{PointTable, ServoLimit};
 pub use post::{LatheHeader, lathe_program_text};
+pub use servo_post::{ServoHeader, servo_program_text};
+pub use servo_task::{ServoOperation, ServoTask};
 
 use crate::milling::TravelExceeded;
 use thiserror::Error;
@@ -41,6 +53,55 @@ pub enum TurningError {
     NotRound {
         /// What is not, and how.
         what: &'static str,
+    },
+    /// It is no disc that a tool can go around.
+    #[error(
+        "program.machine = \"sts\" is for discs about the axis, and {what}; take program.machine = \"mill3\", or \"turn\" where the \
+         mirror is round"
+    )]
+    NoDisc {
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A section is not to be followed.
+    #[error(
+        "at {azimuth_deg:.2} degrees from X, {radius_mm:.3} mm from the axis, nothing of the mirror is found along Z; take \
+         program.machine = \"mill3\""
+    )]
+    NoSection {
+        /// Azimuth, degrees.
+        azimuth_deg: f64,
+        /// Distance from the axis, mm.
+        radius_mm: f64,
+    },
+    /// The flank of the tool would rub on the mirror.
+    #[error(
+        "{radius_mm:.3} mm from the axis at {azimuth_deg:.2} degrees from X the mirror falls {slope_deg:.2} degrees along the direction of \
+         cutting, and the tool's flank, program.clearance_deg, has {clearance_deg} degrees: take a tool with more clearance and write its \
+         angle, or a mirror that is less steep there"
+    )]
+    Flank {
+        /// Where, from the axis, mm.
+        radius_mm: f64,
+        /// Azimuth, degrees.
+        azimuth_deg: f64,
+        /// How steeply it falls, degrees.
+        slope_deg: f64,
+        /// Angle of the flank, degrees.
+        clearance_deg: f64,
+    },
+    /// More points than a table may have.
+    #[error(
+        "{what} would take more than {most:.0e} points: take a larger program.chord_um{}",
+        feed.map_or(String::new(), |(key, mm)| format!(", or a program.{key} of {mm} mm or more"))
+    )]
+    Points {
+        /// Which operation.
+        what: &'static str,
+        /// The most.
+        most: f64,
+        /// The key of its feed and the least that will do, mm; none where no feed does.
+        feed: Option<(&'static str, f64)>,
     },
     /// The nose does not fit.
     #[error(

@@ -2,28 +2,24 @@
 
 use super::TurningError;
 use super::bar::Bar;
-use super::cutting_data::{stepdown_mm, usual_feed_mm, usual_rpm};
+use super::cutting_data::{OperationFeeds, stepdown_mm, usual_rpm};
 use super::facing::{BESIDE_MM, FacingLevels};
 use super::meridian::Meridian;
 use super::nose_path::{MoveLimits, NosePath};
+use super::tool_fit;
 use crate::geom::{DVec2, DVec3};
 use crate::milling::{MotionList, OperationKind, TipMove};
-use crate::num::rounding::{floor_four_digits, significant};
 use crate::profile::TurnSpec;
 
-/// What semi-finishing leaves over what roughing does: chips that are even, and no thinner than a nose's edge is sharp.
-const SEMI_LEAVES: f64 = 1.0 / 3.0;
-/// Largest cusps of roughing and semi-finishing over what they leave: it is to be left within 10 %.
-const CUSP: f64 = 0.05;
 /// What straight moves of both are off the path over what they leave.
-const CHORD: f64 = 0.02;
+pub(super) const CHORD: f64 = 0.02;
 /// Largest difference of the slopes of finishing moves from the path's over those of the cusps, f / (2 r), to which they add: where
 /// all moves have it, it adds 4 % of the cusps' mean square.
-const FINE_SLOPE: f64 = 0.2;
+pub(super) const FINE_SLOPE: f64 = 0.2;
 /// How far turns go on beside the rim, over their feed.
-const BEYOND: f64 = 2.0;
+pub(super) const BEYOND: f64 = 2.0;
 /// Most moves of an operation.
-const MOST: f64 = 1e6;
+pub(super) const MOST: f64 = 1e6;
 
 /// A mirror to be turned.
 pub struct TurningTask<'a> {
@@ -75,15 +71,15 @@ impl TurningTask<'_> {
     /// [`TurningError`] when the tool does not fit, or would go below what is around the mirror.
     pub fn operations(&self) -> Result<Vec<TurnedOperation>, TurningError> {
         let (nose, rough) = (&self.spec.nose, &self.spec.roughing);
-        self.meridian.clears([nose.inner_edge_deg, nose.outer_edge_deg])?;
-        self.meridian.holds(nose.radius_mm, rough.allowance_mm)?;
+        let edges_deg = [nose.inner_edge_deg, nose.outer_edge_deg];
+        tool_fit::clears(self.meridian.places(), edges_deg)?;
+        tool_fit::holds(self.meridian.places(), nose.radius_mm, rough.allowance_mm)?;
         let finishing = self.path(0.0, self.feed_mm, self.fine());
         self.check_floor(&finishing)?;
         let rough_mm = rough.allowance_mm;
-        let even_mm = significant(SEMI_LEAVES * rough_mm, 3);
+        let OperationFeeds { rough_feed_mm, even_mm, even_feed_mm } =
+            OperationFeeds::new(self.spec, self.feed_mm);
         let coarse = |left_mm: f64| MoveLimits { chord_mm: CHORD * left_mm, slope: f64::INFINITY };
-        let rough_feed_mm = rough.feed_mm_rev.unwrap_or_else(|| self.feed_for(rough_mm));
-        let even_feed_mm = self.feed_for(even_mm).max(self.feed_mm);
         let rough_path = self.path(rough_mm, rough_feed_mm, coarse(rough_mm));
         let even_path = self.path(even_mm, even_feed_mm, coarse(even_mm));
         let operations = [
@@ -103,13 +99,6 @@ impl TurningTask<'_> {
     fn fine(&self) -> MoveLimits {
         let cusps = 0.5 * self.feed_mm / self.spec.nose.radius_mm;
         MoveLimits { chord_mm: 1e-3 * self.spec.finishing.chord_um, slope: FINE_SLOPE * cusps }
-    }
-
-    /// The feed whose cusps are within their share of what is left, mm, but no more than that of roughing.
-    fn feed_for(&self, left_mm: f64) -> f64 {
-        let nose_mm = self.spec.nose.radius_mm;
-        let widest = f64::sqrt(8.0 * nose_mm * CUSP * left_mm);
-        floor_four_digits(usual_feed_mm(self.spec).min(widest))
     }
 
     /// The tool point's path from beside the bar to the axis at a feed, with what is left on the mirror.

@@ -1,25 +1,30 @@
 //! The verdict: what the bytes of a file showed, and every reason why a part would not do, with figures.
 
+mod axis_faults;
 mod bar_on_lathe;
 mod cutter_survey;
 mod file_check;
 mod milled_block;
 mod plan_edge;
 mod polar_face;
+mod polar_rim;
 mod program_cut;
 mod remedy;
 pub(crate) mod sharpness;
 mod turned_cut;
+mod turned_shape;
 mod vertex_check;
 
-pub(crate) use bar_on_lathe::{BarOnLathe, TurnedLeft};
+pub(crate) use axis_faults::axis_faults;
+pub(crate) use bar_on_lathe::{BarOnLathe, CutTask, TurnedLeft};
 pub use cutter_survey::MachiningOptions;
 pub(crate) use cutter_survey::{CutterSurvey, directed, stock_corners};
 pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, HeldTo, expected_rays};
 pub(crate) use milled_block::{MilledBlock, ProgramLeft, room_for_picture, stepover_for_picture};
 pub(crate) use program_cut::ProgramCut;
 pub(crate) use remedy::filling;
-pub(crate) use turned_cut::{narrowest_feed_mm, turned_cut, turned_facets};
+pub(crate) use turned_cut::turned_cut;
+pub(crate) use turned_shape::TurnedShape;
 
 use crate::align::FormError;
 use crate::design::{Cavity, Design};

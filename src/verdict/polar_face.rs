@@ -2,8 +2,10 @@
 //!
 //! Between two cusps of one azimuth there are [`ROWS`] rows. A turn farther the cusps have moved from row to row by a whole feed: at
 //! each azimuth the nearest row is moved onto each cusp, and where a cusp goes over to the next row, the facets' diagonal follows it.
-//! Towards the axis azimuths become fewer by halves, as the circles do.
+//! Towards the axis azimuths become fewer by halves, as the circles do. Beyond the largest circle that a rim leaves whole, facets follow the cusps
+//! of each azimuth up to it.
 
+use super::polar_rim;
 use crate::geom::{DVec3, TriMesh};
 use crate::num::{cos, sin};
 use crate::parallel;
@@ -18,6 +20,10 @@ const MULTIPLE: usize = 16;
 const CLOSE: f64 = 0.1;
 /// What a row keeps of its distance from the next one, at least, when it is moved.
 const KEPT: f64 = 0.2;
+/// Least distance of an uneven rim from the circle within it over that of the turns.
+const HALF: f64 = 0.5;
+/// Share of its radius from which on a rim is no circle.
+const EVEN: f64 = 1e-7;
 /// Halvings of the azimuths towards the axis, at most.
 const MOST_HALVINGS: usize = 4;
 /// Azimuths of a rim, at least: its polygon is then 0.004 % of its radius inside it.
@@ -47,22 +53,25 @@ pub(super) enum PolarFault {
 }
 
 /// What a face is to be.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PolarLimits {
+pub(super) struct PolarLimits<'a> {
     /// Inner radius, 0 of a disc, and the outer one, mm.
     pub radii_mm: [f64; 2],
-    /// Largest slope of the mirror.
-    pub steepest: f64,
-    /// Largest tilt of the cusps, f / (2 r).
-    pub tilt: f64,
+    /// Distance of the outer rim from the axis at an azimuth, radians, mm; none of one that is round.
+    pub rim: &'a (dyn Fn(f64) -> Option<f64> + Sync),
+    /// Azimuths of a circle: as [`whole`] has them.
+    pub azimuths: f64,
     /// Most facets.
     pub most: f64,
 }
 
-/// Azimuths of the rim.
-pub(super) fn azimuths(steepest: f64, tilt: f64) -> f64 {
+/// Azimuths of the rim that a mirror takes with this largest slope, or bend around the axis, and cusps with this largest tilt, f / (2 r).
+pub(super) fn azimuths(bend: f64, tilt: f64) -> f64 {
     // A facet between two azimuths is tilted by up to its slope times half the angle between them.
-    let needed = 0.5 * TAU * steepest / (TILT_SHARE * tilt);
+    whole(0.5 * TAU * bend / (TILT_SHARE * tilt))
+}
+
+/// Azimuths of the rim, no fewer than are needed.
+pub(super) fn whole(needed: f64) -> f64 {
     let multiple = MULTIPLE as f64;
     (needed.max(LEAST_AZIMUTHS) / multiple).ceil() * multiple
 }
@@ -75,23 +84,45 @@ pub(super) fn facet_estimate(turns: f64, azimuths: f64) -> f64 {
 impl PolarFace {
     /// What `surface` leaves.
     pub(super) fn new(surface: &TurnedSurface, limits: PolarLimits) -> Result<Self, PolarFault> {
-        let [inner, outer] = limits.radii_mm;
+        let [inner, mut outer] = limits.radii_mm;
         let first = surface.section(0.0);
         let cusps: Vec<f64> =
             first.cusps().rev().filter(|at| (inner..outer).contains(at)).collect();
         let apart_mm = (outer - inner) / cusps.len().max(1) as f64;
-        let azimuths = azimuths(limits.steepest, limits.tilt);
-        let facets = facet_estimate(cusps.len() as f64, azimuths);
+        let facets = facet_estimate(cusps.len() as f64, limits.azimuths);
         if !(facets <= limits.most) {
             return Err(PolarFault::Fine(apart_mm, facets));
         }
-        let lattice = PolarLattice::new(rows(&cusps, [inner, outer]), azimuths as usize);
-        let spokes = parallel::map(lattice.azimuths, 1, |k| {
-            let share = k as f64 / lattice.azimuths as f64;
-            lattice.spoke(&surface.section(share), k)
+        let count = limits.azimuths as usize;
+        let rims = uneven_rim(&limits, count);
+        if let Some(rims) = &rims {
+            // The largest circle that the rim leaves room beside.
+            outer = rims.iter().copied().fold(outer, f64::min) - HALF * apart_mm;
+        }
+        let cusps: Vec<f64> = cusps.into_iter().filter(|cusp| *cusp < outer).collect();
+        let lattice = PolarLattice::new(rows(&cusps, [inner, outer]), count);
+        let spokes = parallel::map(count, 1, |k| {
+            let section = surface.section(k as f64 / count as f64);
+            let beyond = rims.as_ref().map(|rims| [outer, rims[k]]);
+            let beyond =
+                beyond.map(|ends| polar_rim::beyond(&section, ends, apart_mm / ROWS as f64));
+            (lattice.spoke(&section, k), beyond)
         });
-        lattice.joined(&spokes, apart_mm)
+        let (spokes, beyond): (Vec<_>, Vec<_>) = spokes.into_iter().unzip();
+        let mut face = lattice.joined(&spokes, apart_mm)?;
+        if let Some(beyond) = beyond.into_iter().collect::<Option<Vec<_>>>() {
+            polar_rim::add(&mut face.mesh, &mut face.steps, &beyond).map_err(PolarFault::Uncut)?;
+        }
+        Ok(face)
     }
+}
+
+/// Distances of a rim from the axis at each azimuth, where it is not round.
+fn uneven_rim(limits: &PolarLimits, count: usize) -> Option<Vec<f64>> {
+    let outer = limits.radii_mm[1];
+    let rim = |k: usize| (limits.rim)(TAU * k as f64 / count as f64);
+    let rims = parallel::map(count, 1, rim).into_iter().collect::<Option<Vec<f64>>>()?;
+    rims.iter().any(|rim| (rim - outer).abs() > EVEN * outer).then_some(rims)
 }
 
 /// Distances of the rows from the axis, falling, of cusps that fall; none of cusps that are nearer than [`CLOSE`] to each other or to a
@@ -263,11 +294,15 @@ mod tests {
                 .into(),
             lines: 1,
         };
-        let path = TurningPath { tool, turns: moves.map(|(.., turns)| turns).into() };
+        let path = TurningPath {
+            tool,
+            turns: moves.map(|(.., turns)| turns).into(),
+            ..TurningPath::default()
+        };
         let limits = PolarLimits {
             radii_mm: [inner, 10.0],
-            steepest: 0.3,
-            tilt: 0.5 * feed_mm / nose_mm,
+            rim: &|_| None,
+            azimuths: azimuths(0.3, 0.5 * feed_mm / nose_mm),
             most: 1e6,
         };
         let surface = TurnedSurface::new(&path, nose_mm);

@@ -1,61 +1,39 @@
 //! The face that a program of a lathe leaves of a mirror.
 
-use super::polar_face::{self, PolarFace, PolarFault, PolarLimits};
+use super::polar_face::{PolarFace, PolarFault, PolarLimits};
 use super::program_cut::ProgramCut;
+use super::turned_shape::TurnedShape;
 use crate::design::Design;
 use crate::geom::{DVec2, TriMesh};
 use crate::parallel;
 use crate::program::{ToolMove, TurnedSurface, TurningPath, nose_below};
 use crate::results::{CutDeparture, CuttingFault, ProgramFacts};
-use crate::turning::Meridian;
+use std::f64::consts::TAU;
 
-/// The most facets of a face that programs are written for, and of one that is read: estimates of both differ.
-const MOST_FACETS: f64 = 4e6;
+/// The most facets of a face that is read: estimates of those that programs are written for are of first order.
 const MOST_READ: f64 = 6e6;
-/// A share by which feeds are kept above the least that facets can follow.
-const ROOM: f64 = 1.05;
 /// What a rapid move may be below the mirror, mm: the rounding of programs.
 const TOUCH_MM: f64 = 2e-3;
+/// Places along a rapid move of which C is known at which it is held against a disc.
+const ALONG: usize = 64;
 
-/// The least feed in a turn, mm, whose cut facets can follow, of a nose over a meridian.
-pub(crate) fn narrowest_feed_mm(meridian: &Meridian, nose_mm: f64) -> f64 {
-    let (length_mm, steepest) = (meridian.length_mm(), meridian.steepest());
-    let facets = |feed_mm: f64| facets_of([length_mm, steepest], nose_mm, feed_mm);
-    let [mut low, mut high] = [0.0, nose_mm];
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if facets(middle) <= MOST_FACETS { high = middle } else { low = middle }
-    }
-    ROOM * high
-}
-
-/// About how many facets it takes to follow turns so far apart, and the most.
-pub(crate) fn turned_facets(meridian: &Meridian, nose_mm: f64, feed_mm: f64) -> [f64; 2] {
-    [facets_of([meridian.length_mm(), meridian.steepest()], nose_mm, feed_mm), MOST_FACETS]
-}
-
-fn facets_of([length_mm, steepest]: [f64; 2], nose_mm: f64, feed_mm: f64) -> f64 {
-    let azimuths = polar_face::azimuths(steepest, 0.5 * feed_mm / nose_mm);
-    polar_face::facet_estimate(length_mm / feed_mm, azimuths)
-}
-
-/// The face that `path` leaves of the mirror of `design`, whose section is `meridian`, with a nose.
+/// The face that `path` leaves of the mirror of `design`, which a lathe goes around as `shape` tells, with a nose.
 ///
 /// # Errors
 /// [`CuttingFault`] where no move comes over a place of the mirror, or turns are too near each other to be followed.
 pub(crate) fn turned_cut(
     design: &Design,
-    meridian: &Meridian,
+    shape: &TurnedShape,
     path: &TurningPath,
     nose_mm: f64,
 ) -> Result<ProgramCut, CuttingFault> {
     let surface = TurnedSurface::new(path, nose_mm);
-    let radii_mm = meridian.ends().map(|q| meridian.at(q).at.x);
+    let radii_mm = shape.radii_mm;
     let feed_mm = feed_over(path, radii_mm, nose_mm).ok_or(CuttingFault::Elsewhere)?;
     let limits = PolarLimits {
         radii_mm,
-        steepest: meridian.steepest(),
-        tilt: 0.5 * feed_mm / nose_mm,
+        rim: &|azimuth| shape.rim_mm(azimuth),
+        azimuths: shape.azimuths(nose_mm, feed_mm),
         most: MOST_READ,
     };
     let PolarFace { mesh, steps, apart_mm } =
@@ -74,7 +52,7 @@ pub(crate) fn turned_cut(
         moves: path.tool.moves.len(),
         cutting_mm,
         rapid_mm,
-        cutting_min: path.tool.cutting_min(),
+        cutting_min: path.cutting_min(),
         apart_mm,
         angle_deg: None,
         parallel: None,
@@ -84,7 +62,7 @@ pub(crate) fn turned_cut(
     };
     let below = path.tool.lowest().filter(|step| step.to.z < 0.0);
     let below = below.map(|step| CuttingFault::BelowBase { line: step.line, z_mm: step.to.z });
-    let faults = rapid(meridian, path, nose_mm).into_iter().chain(below).collect();
+    let faults = rapid(shape, path, nose_mm).into_iter().chain(below).collect();
     Ok(ProgramCut { mesh, facts, faults, warning: None })
 }
 
@@ -116,21 +94,46 @@ fn feed_over(path: &TurningPath, [inner, outer]: [f64; 2], nose_mm: f64) -> Opti
     };
     let cutting = path.tool.moves.iter().zip(&path.turns);
     let (mut length, mut all) = (0.0, 0.0);
-    for (step, turns) in cutting.filter(|(step, turns)| **turns > 0.0 && over(step)) {
-        length += step.from.distance(step.to);
-        all += turns;
+    for (step, turns) in cutting.filter(|(step, turns)| **turns != 0.0 && over(step)) {
+        // Where C is commanded, Z follows the mirror around the axis: the way inwards alone is the feed.
+        let way = if path.is_commanded() {
+            (step.to.x - step.from.x).abs()
+        } else {
+            step.from.distance(step.to)
+        };
+        if way > 0.0 {
+            length += way;
+            all += turns.abs();
+        }
     }
-    (all > 0.0).then(|| length / all)
+    (length > 0.0).then(|| length / all)
 }
 
-/// A rapid move through the mirror: its nose is lower than the meridian.
-fn rapid(meridian: &Meridian, path: &TurningPath, nose_mm: f64) -> Option<CuttingFault> {
-    let places: Vec<DVec2> = meridian.places().map(|place| place.at).collect();
+/// A rapid move through the mirror, or one with a feed while C stands: its nose is lower than the mirror.
+fn rapid(shape: &TurnedShape, path: &TurningPath, nose_mm: f64) -> Option<CuttingFault> {
+    if path.is_commanded() {
+        return standing(shape, path, nose_mm);
+    }
     let rapids = path.tool.moves.iter().filter(|step| step.feed.is_none());
     rapids.into_iter().find_map(|step| {
         let is_cut =
             |at: &&DVec2| nose_below(step, nose_mm, at.x).is_some_and(|z| z < at.y - TOUCH_MM);
-        let deep = places.iter().find(is_cut)?;
+        let deep = shape.meridian.iter().find(is_cut)?;
         Some(CuttingFault::Rapid { line: step.line, at_mm: [deep.x, 0.0] })
+    })
+}
+
+/// The same where C is commanded.
+fn standing(shape: &TurnedShape, path: &TurningPath, nose_mm: f64) -> Option<CuttingFault> {
+    let all = path.tool.moves.iter().zip(&path.commanded).zip(&path.turns);
+    all.filter(|(_, turns)| **turns == 0.0).find_map(|((step, turn), _)| {
+        (0..=ALONG).find_map(|k| {
+            let share = k as f64 / ALONG as f64;
+            let at = step.from.lerp(step.to, share);
+            let azimuth = TAU * (turn.begin + turn.turns() * share);
+            let centre = DVec2::new(at.x + nose_mm, at.z + nose_mm);
+            let deep = shape.cut_by((azimuth, centre), nose_mm, TOUCH_MM)?;
+            Some(CuttingFault::Rapid { line: step.line, at_mm: [deep.x, deep.y] })
+        })
     })
 }

@@ -59,6 +59,7 @@ mod render;
 mod report_contract;
 mod round_mirrors;
 mod sag_table;
+mod servo;
 mod shell;
 mod shell_help;
 mod shipped;

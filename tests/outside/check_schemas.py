@@ -264,6 +264,9 @@ def all_outputs(to, folder):
     to.must("program", "program", "turned.toml", files=[("program", "out/turned/program/program.json")])
     turned = "out/turned/program/finishing.ngc"
     to.must("verify", "verify", turned, "--profile", "turned.toml", "--nose-mm", "0.8")
+    (to.home / "servo.toml").write_text(ROUND + '\n[program]\nmachine = "sts"\ncontrol = "xzc"\nfeed_mm_rev = 0.2\n')
+    to.must("program", "program", "servo.toml", files=[("program", "out/servo/program/program.json")])
+    to.must("verify", "verify", "out/servo/program/finishing.xzc", "--profile", "servo.toml", "--nose-mm", "0.8")
     to.must("build", "build", "strip.toml", "round.toml", lines=True)
     to.must("dry-run", "build", "strip.toml", "round.toml", "--dry-run", lines=True)
     to.must("dry-run", "build", *shipped, "--dry-run", lines=True)

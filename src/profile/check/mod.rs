@@ -20,6 +20,7 @@ mod program_table;
 mod projection;
 mod reach;
 mod sag;
+mod servo;
 mod shell;
 mod table;
 mod target;

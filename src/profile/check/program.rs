@@ -4,11 +4,14 @@ use super::super::Layout;
 use super::super::program::{
     CutterLengths, FinishingSpec, MachineSpec, MillSpec, ProgramSpec, RoughingSpec, SpeedsSpec,
 };
-use super::super::program_words::MillControl;
+use super::super::program_words::{MillControl, ProgramControl};
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
+use super::super::servo::ServoSpec;
+use super::super::turning::TurnSpec;
 use super::super::values::{Located, number, word};
-use super::program_table::ProgramTable;
+use super::program_table::{self, ForeignControl, ProgramTable};
+use super::{servo, turning};
 
 /// `[program]` of a mirror with this layout, if that is known; a mill's usual values where there is none.
 pub(super) fn read(
@@ -18,15 +21,22 @@ pub(super) fn read(
 ) -> ProgramSpec {
     let usual = ProgramSpec::default();
     let Some(section) = reader.section(root, "program", Optional) else { return usual };
-    let machines = [("mill3", MachineKind::Mill), ("turn", MachineKind::Turn)];
-    let hint = "a mill of three axes, or a lathe for mirrors that are round";
+    let machines =
+        [("mill3", MachineKind::Mill), ("turn", MachineKind::Turn), ("sts", MachineKind::Servo)];
+    let hint = "a mill of three axes, a lathe for mirrors that are round, or a slow tool servo for discs of any shape";
     let kind = word(reader, &section, "machine", &machines, hint).unwrap_or(MachineKind::Mill);
     kind.refuse_others(reader, &section);
     match kind {
         MachineKind::Mill => ProgramSpec::Mill(mill(reader, &section)),
         MachineKind::Turn => {
-            super::turning::suits(reader, &section, layout);
-            ProgramSpec::Turn(super::turning::read(reader, &section))
+            turning::suits(reader, &section, layout);
+            let control = turning::control(reader, &section);
+            ProgramSpec::Turn(turning::read(reader, &section, TurnSpec::default()), control)
+        }
+        MachineKind::Servo => {
+            servo::suits(reader, &section, layout);
+            let axis = servo::read(reader, &section);
+            ProgramSpec::Servo(turning::read(reader, &section, ServoSpec::lathe()), axis)
         }
     }
 }
@@ -36,6 +46,7 @@ pub(super) fn read(
 enum MachineKind {
     Mill,
     Turn,
+    Servo,
 }
 
 /// Keys that only a mill has.
@@ -60,15 +71,27 @@ const MILL_KEYS: &[&str] = &[
 const LATHE_KEYS: &[&str] =
     &["nose_mm", "inner_edge_deg", "outer_edge_deg", "feed_mm_rev", "rough_feed_mm_rev"];
 
+/// Keys that only a slow tool servo has.
+const SERVO_KEYS: &[&str] = &["clearance_deg"];
+
 impl MachineKind {
     /// Complains of keys of other machines.
     fn refuse_others(self, reader: &mut ProfileReader, section: &Section) {
-        let (keys, own, other, instead) = match self {
-            Self::Mill => (LATHE_KEYS, "a mill", "turn", "a mill has ball_mm and stepover_mm"),
-            Self::Turn => (MILL_KEYS, "a lathe", "mill3", "a lathe has nose_mm and feed_mm_rev"),
+        let lathe = "a lathe has nose_mm and feed_mm_rev";
+        let (own, instead) = match self {
+            Self::Mill => ("a mill", "a mill has ball_mm and stepover_mm"),
+            Self::Turn => ("a lathe", lathe),
+            Self::Servo => ("a slow tool servo", "it has nose_mm and feed_mm_rev"),
+        };
+        let foreign: &[(&[&str], &str)] = match self {
+            Self::Mill => &[(LATHE_KEYS, "turn"), (SERVO_KEYS, "sts")],
+            Self::Turn => &[(MILL_KEYS, "mill3"), (SERVO_KEYS, "sts")],
+            Self::Servo => &[(MILL_KEYS, "mill3")],
         };
         let must = format!("left out of programs for {own}");
-        for key in keys {
+        for (key, other) in
+            foreign.iter().flat_map(|(keys, other)| keys.iter().map(move |key| (key, other)))
+        {
             let Some(value) = reader.value(section, key, Optional, &must, "") else { continue };
             let found = reader.quote_type(value);
             let message = format!("program.{key} must be {must}, found {found}");
@@ -78,11 +101,18 @@ impl MachineKind {
     }
 }
 
+/// What no mill reads.
+const FOREIGN: &[ForeignControl] = &[(
+    ProgramControl::Xzc,
+    "\"linuxcnc\", \"grbl\" or \"fanuc\" for a mill",
+    "a table of points in X, Z and C is that of a slow tool servo; it goes with machine = \"sts\"",
+)];
+
 fn mill(reader: &mut ProfileReader, section: &Section) -> MillSpec {
     let usual = MillSpec::default();
     let controls = MillControl::ALL.map(|control| (control.name(), control));
     let hint = "what the mill's control reads";
-    let control = word(reader, section, "control", &controls, hint);
+    let control = program_table::control((reader, section), &controls, FOREIGN, hint);
     let mut table = ProgramTable { reader, section };
     MillSpec {
         material: table.material().unwrap_or(usual.material),

@@ -1,6 +1,6 @@
-//! The table `[program]`: what mills and lathes have both.
+//! The table `[program]`: what all machines have.
 
-use super::super::program_words::{StockMaterial, WorkOffset};
+use super::super::program_words::{ProgramControl, StockMaterial, WorkOffset};
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, NumbersFormat, number, numbers, word};
@@ -11,7 +11,29 @@ pub(super) struct ProgramTable<'r, 'f, 's, 't> {
     pub section: &'s Section<'t>,
 }
 
-/// What programs of both machines have.
+/// A control that a machine has not: its name, which it must be, and why.
+pub(super) type ForeignControl = (ProgramControl, &'static str, &'static str);
+
+/// What a machine's control reads, one of some; foreign ones are complained of with what would do.
+pub(super) fn control<C: Copy>(
+    (reader, section): (&mut ProfileReader, &Section),
+    controls: &[(&'static str, C)],
+    foreign: &[ForeignControl],
+    hint: &str,
+) -> Option<C> {
+    if let Some(value) = reader.value(section, "control", Optional, "", hint) {
+        let found = value.get_ref().as_str();
+        let foreign = foreign.iter().find(|(control, ..)| found == Some(control.name()));
+        if let Some((control, must, why)) = foreign {
+            let message = format!("program.control must be {must}, found \"{}\"", control.name());
+            reader.complain(value.span().start, message, why);
+            return None;
+        }
+    }
+    word(reader, section, "control", controls, hint)
+}
+
+/// What programs of all machines have.
 impl ProgramTable<'_, '_, '_, '_> {
     /// A number between limits.
     pub(super) fn figure(

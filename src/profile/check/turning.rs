@@ -1,14 +1,13 @@
-//! How the mirror is turned: `[program]` with `machine = "turn"`.
+//! How the mirror is turned: `[program]` with `machine = "turn"`, and of a slow tool servo what it has in common with that.
 
 use super::super::Layout;
-use super::super::program_words::MillControl;
+use super::super::program_words::ProgramControl;
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::turning::{
     LatheControl, LatheSpec, NoseSpec, TurnSpec, TurnedFinishSpec, TurnedRoughSpec,
 };
-use super::super::values::word;
-use super::program_table::ProgramTable;
+use super::program_table::{self, ForeignControl, ProgramTable};
 
 /// Radius of the smallest nose, mm.
 const LEAST_NOSE_MM: f64 = 0.05;
@@ -29,15 +28,12 @@ pub(super) fn suits(reader: &mut ProfileReader, section: &Section, layout: Optio
     reader.complain(value.span().start, message, hint);
 }
 
-/// `[program]` of a lathe.
-pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> TurnSpec {
-    let usual = TurnSpec::default();
-    let control = control(reader, section);
+/// `[program]` of a lathe, but for its control.
+pub(super) fn read(reader: &mut ProfileReader, section: &Section, usual: TurnSpec) -> TurnSpec {
     let mut table = ProgramTable { reader, section };
     let nose = table.nose(usual.nose);
     TurnSpec {
         material: table.material().unwrap_or(usual.material),
-        control: control.unwrap_or(usual.control),
         work_offset: table.work_offset().unwrap_or(usual.work_offset),
         stock_mm: table.stock().unwrap_or(usual.stock_mm),
         nose,
@@ -48,21 +44,26 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> TurnSpec {
     }
 }
 
-/// What the control reads: grbl has no words of lathes.
-fn control(reader: &mut ProfileReader, section: &Section) -> Option<LatheControl> {
-    let hint = "what the lathe's control reads";
-    let grbl = MillControl::Grbl.name();
-    let value = reader.value(section, "control", Optional, "", hint);
-    if let Some(value) = value.filter(|value| value.get_ref().as_str() == Some(grbl)) {
-        let message = format!(
-            "program.control must be \"linuxcnc\" or \"fanuc\" for a lathe, found \"{grbl}\""
-        );
-        let hint = "grbl knows no feed in a turn of the spindle; LinuxCNC and Fanuc do";
-        reader.complain(value.span().start, message, hint);
-        return None;
-    }
+/// Controls that no lathe has.
+const FOREIGN: &[ForeignControl] = &[
+    (
+        ProgramControl::Grbl,
+        "\"linuxcnc\" or \"fanuc\" for a lathe",
+        "grbl knows no feed in a turn of the spindle; LinuxCNC and Fanuc do",
+    ),
+    (
+        ProgramControl::Xzc,
+        "\"linuxcnc\" or \"fanuc\" for a lathe",
+        "a table of points has places of the spindle, which turns freely here; it goes with machine = \"sts\"",
+    ),
+];
+
+/// What the control of a lathe reads.
+pub(super) fn control(reader: &mut ProfileReader, section: &Section) -> LatheControl {
     let controls = LatheControl::ALL.map(|control| (control.control().name(), control));
-    word(reader, section, "control", &controls, hint)
+    let hint = "what the lathe's control reads";
+    let found = program_table::control((reader, section), &controls, FOREIGN, hint);
+    found.unwrap_or(LatheControl::Linuxcnc)
 }
 
 impl ProgramTable<'_, '_, '_, '_> {

@@ -42,7 +42,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("inspection", &["tolerance", "align", "mirror", "geom", "num", "parallel"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num", "parallel"]),
     ("milling", &["machining", "profile", "mirror", "geom", "num", "parallel"]),
-    ("turning", &["milling", "profile", "mirror", "geom", "num"]),
+    ("turning", &["milling", "profile", "mirror", "geom", "num", "parallel"]),
     ("pencil", &["mirror", "optics", "geom", "num", "parallel"]),
     ("render", &["design", "mirror", "trace", "optics", "geom", "raster", "num", "parallel"]),
     ("unwrap", &["mirror", "optics", "video", "raster", "geom", "num", "parallel"]),

@@ -22,6 +22,9 @@ export.formats = [\"stl\"]
 /// Programs of a lathe.
 const LATHE: &str = "program = { machine = \"turn\", nose_mm = 1, feed_mm_rev = 0.2 }\n";
 
+/// Programs of a slow tool servo.
+const SERVO: &str = "program = { machine = \"sts\", nose_mm = 1, feed_mm_rev = 0.2 }\n";
+
 /// A program that faces a bar to a plane.
 const FACING: &str = "G8 G95 G97 S500 M3\nG0 X14 Z9\nG1 X-1 F0.2\nG4 P1\nG0 Z20\nM2\n";
 
@@ -129,6 +132,7 @@ impl Runs {
             ("given", GIVEN.into()),
             ("round", ROUND.into()),
             ("turned", format!("{ROUND}{LATHE}")),
+            ("servo", format!("{ROUND}{SERVO}")),
             ("obstructed", format!("{ROUND}{LEG}")),
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
@@ -300,8 +304,8 @@ fn the_page_of_studies_has_every_key() {
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
-    let programs = ["program all.toml", "program obstructed.toml", "program turned.toml"];
-    hold(STUDIES, &["## `program.json`"], &programs.map(|it| runs.printed(it)));
+    let programs = ["all", "obstructed", "turned", "servo"].map(|it| format!("program {it}.toml"));
+    hold(STUDIES, &["## `program.json`"], &programs.map(|it| runs.printed(&it)));
     hold(STUDIES, &["## `drawing.json`"], &[runs.printed("drawing rimmed.toml")]);
     hold(STUDIES, &["## `inspection.json`"], &[runs.printed("inspect all.toml")]);
     hold(STUDIES, &["## `sweep.json`"], &[runs.printed("sweep study.toml")]);

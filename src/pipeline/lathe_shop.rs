@@ -1,0 +1,226 @@
+//! What programs of lathes and slow tool servos have in common: the feed of finishing, the report, and the bar as they are read back.
+
+use super::made_face::PagePictures;
+use crate::design::Design;
+use crate::machining::SurfaceAnalysis;
+use crate::milling::{OperationKind, Speeds};
+use crate::num::rounding::{floor_four_digits, significant};
+use crate::num::stats::Summary;
+use crate::profile::{Profile, ProgramControl, TurnSpec};
+use crate::program::{MachineLimits, MachineTime, ProgramFault, TurningPath};
+use crate::report::LeftPicture;
+use crate::results::{
+    FileFault, OperationFacts, ProgramReport, Reason, SCHEMA, ServoFacts, StockFacts,
+};
+use crate::turning::{Bar, ServoLimit, TurningError, usual_feed_mm};
+use crate::verdict::{
+    self, BarOnLathe, CutTask, TurnedLeft, TurnedShape, axis_faults, room_for_picture,
+};
+use std::f64::consts::PI;
+
+/// Widest feed that is chosen where the profile names none, over the nose's radius: cusps are then an eighth of a hundredth of it high.
+const WIDEST_FEED: f64 = 0.1;
+/// Height of cusps over what a polish takes away, of the study's first order.
+const CUSPS_OF_POLISH: f64 = 0.9;
+
+/// The feed of finishing, mm, which keeps the picture within the profile's limits where the profile does not name it, and what it is
+/// foreseen to leave. `bulge` is the least of `1 - r k` over all sections, of the nose's radius and their hollow curvature.
+pub(super) fn finishing_feed(
+    profile: &Profile,
+    spec: &TurnSpec,
+    design: &Design,
+    (shape, bulge): (&TurnedShape, f64),
+) -> Result<(f64, Option<Summary>), TurningError> {
+    let nose_mm = spec.nose.radius_mm;
+    let analysis = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
+    // Cusps are tilted by up to f / (2 r), whatever the mirror's curvature.
+    let foreseen = |feed_mm: f64| analysis.displacements_of_turns(0.5 * feed_mm / nose_mm);
+    let narrowest_mm = shape.narrowest_feed_mm(nose_mm);
+    let finishing = &spec.finishing;
+    if let Some(feed_mm) = finishing.feed_mm_rev {
+        let [facets, most] = shape.facets(nose_mm, feed_mm);
+        if facets > most {
+            // (Three decimals, upwards.)
+            let least_mm = (1e3 * narrowest_mm).ceil() / 1e3;
+            return Err(TurningError::Fine { feed_mm, facets, most, least_mm });
+        }
+        return Ok((feed_mm, foreseen(feed_mm)));
+    }
+    let widest_mm = (WIDEST_FEED * nose_mm).max(narrowest_mm).min(usual_feed_mm(spec));
+    let widest = foreseen(widest_mm);
+    let polish_um = finishing.polish_um;
+    let for_picture = widest.and_then(|px| match finishing.budget_px {
+        Some(budget_px) => Some(widest_mm * budget_px / px.p95),
+        None if polish_um.is_some() => None,
+        None => {
+            let [rms_px, max_px] = room_for_picture(profile, design)?;
+            Some(widest_mm * (rms_px / px.rms).min(max_px / px.max))
+        }
+    });
+    // (Chords stand out of the mirror too.)
+    let chord_um = finishing.chord_um;
+    let polished = polish_um.map(|um| CUSPS_OF_POLISH * (um - chord_um).max(0.5 * um));
+    let heights_um = [finishing.scallop_um, polished].into_iter().flatten().reduce(f64::min);
+    // Cusps are f^2 / (8 r (1 + r k)) high, where the mirror bulges with the curvature k.
+    let for_height = heights_um.map(|um| f64::sqrt(8.0 * nose_mm * bulge.max(0.0) * (1e-3 * um)));
+    let ends = [for_picture, for_height].into_iter().flatten();
+    let feed_mm = floor_four_digits(ends.fold(widest_mm, f64::min).max(narrowest_mm));
+    Ok((feed_mm, foreseen(feed_mm)))
+}
+
+/// The report before the first program.
+pub(super) fn begun(
+    profile: &Profile,
+    (spec, control): (&TurnSpec, ProgramControl),
+    (design, Bar { radius_mm, top_mm }): (&Design, Bar),
+    foreseen_px: Option<Summary>,
+) -> ProgramReport {
+    let (volume_mm3, part_mm3) = (PI * radius_mm * radius_mm * top_mm, design.volume());
+    ProgramReport {
+        schema: SCHEMA,
+        profile: profile.into(),
+        material: spec.material,
+        control,
+        work_offset: spec.work_offset.name().to_owned(),
+        stock: StockFacts {
+            size_mm: [2.0 * radius_mm, 2.0 * radius_mm, top_mm],
+            allowance_mm: spec.stock_mm,
+            volume_mm3,
+            part_mm3,
+            removed_mm3: volume_mm3 - part_mm3,
+        },
+        angle_deg: None,
+        operations: Vec::new(),
+        machine_min: 0.0,
+        reach_mm: 0.0,
+        holder_diameter_mm: None,
+        travel_mm: [0.0; 3],
+        foreseen_px,
+        program: None,
+        as_cut: None,
+        frame: None,
+        accepted: None,
+        files: Vec::new(),
+        verdict: verdict::of::<Reason>(&[]),
+        reasons: Vec::new(),
+        warnings: Vec::new(),
+    }
+}
+
+/// An operation as its program was written.
+pub(super) struct WrittenOperation {
+    pub kind: OperationKind,
+    pub nose_mm: f64,
+    pub feed_mm_rev: f64,
+    pub spindle_rpm: f64,
+    pub levels: usize,
+    pub allowance_mm: f64,
+    /// Points of a turn, and what holds the speed of C down; none of a lathe.
+    pub servo: Option<(usize, ServoLimit)>,
+}
+
+/// The bar in the course of its programs, as they are read back.
+pub(super) struct Lathe {
+    pub bar: BarOnLathe,
+    /// The programs' moves, in their order; none of one that cannot be read.
+    pub read: Vec<Option<TurningPath>>,
+    pub pictures: PagePictures,
+}
+
+impl Lathe {
+    /// Before its first program.
+    pub(super) fn new(bar: BarOnLathe) -> Self {
+        let pictures = PagePictures { left: Vec::new(), speeds_mm_min: Vec::new() };
+        Self { bar, read: Vec::new(), pictures }
+    }
+
+    /// Takes in a program as it was read back, and turns the bar with it.
+    pub(super) fn take(
+        &mut self,
+        report: &mut ProgramReport,
+        operation: &WrittenOperation,
+        (file, read): (String, Result<TurningPath, ProgramFault>),
+        spec: &TurnSpec,
+    ) {
+        let path = match read {
+            Ok(path) => path,
+            Err(error) => {
+                let fault = FileFault::Unreadable(error.to_string());
+                report.reasons.push(Reason::from(fault).of_file(&file));
+                self.read.push(None);
+                return;
+            }
+        };
+        let WrittenOperation { kind, nose_mm, allowance_mm, .. } = *operation;
+        let chord_mm = 1e-3 * spec.finishing.chord_um;
+        let task = CutTask { kind, nose_mm, allowance_mm, chord_mm };
+        let TurnedLeft { left, faults } = self.bar.cut(&path, task);
+        let faults = faults.into_iter().chain(axis_faults(&spec.machine, &path));
+        let faults = faults.map(Reason::from);
+        report.reasons.extend(faults.map(|fault| fault.of_file(&file)));
+        let time = time(spec, &path);
+        report.machine_min += time.minutes();
+        report.operations.push(OperationFacts { left, ..facts(operation, file, &path, &time) });
+        let section = LeftPicture::Section(self.bar.section());
+        self.pictures.left.push((kind.name().to_owned(), section));
+        self.pictures.speeds_mm_min.push(time.speeds_mm_min);
+        self.read.push(Some(path));
+    }
+}
+
+/// What is told of an operation but for what it leaves.
+fn facts(
+    operation: &WrittenOperation,
+    file: String,
+    path: &TurningPath,
+    time: &MachineTime,
+) -> OperationFacts {
+    let WrittenOperation { feed_mm_rev, spindle_rpm, .. } = *operation;
+    let feed_mm_min = match operation.servo {
+        Some(_) => significant(feed_mm_rev * spindle_rpm, 5),
+        None => feed_mm_rev * spindle_rpm,
+    };
+    let rates = path.axis_rates();
+    let [cutting_mm, rapid_mm] = path.tool.lengths_mm();
+    OperationFacts {
+        operation: operation.kind,
+        file,
+        ball_mm: None,
+        stepover_mm: None,
+        nose_mm: Some(operation.nose_mm),
+        feed_mm_rev: Some(feed_mm_rev),
+        servo: operation.servo.map(|(points_rev, limited_by)| ServoFacts {
+            points_rev,
+            acceleration_mm_s2: rates.acceleration.most,
+            speed_mm_min: rates.speed.most,
+            limited_by,
+        }),
+        levels: operation.levels,
+        allowance_mm: operation.allowance_mm,
+        speeds: Speeds { spindle_rpm, feed_mm_min, entry_feed_mm_min: feed_mm_min },
+        lines: path.tool.lines,
+        moves: path.tool.moves.len(),
+        cutting_mm,
+        rapid_mm,
+        machine_min: time.minutes(),
+        at_feed_min: time.at_feed_min,
+        changing_min: time.changing_min,
+        rapid_min: time.rapid_min,
+        left: None,
+        flute: None,
+        stickout: None,
+    }
+}
+
+/// Time of a program: of moves of an axis C that which they are told to take.
+fn time(spec: &TurnSpec, path: &TurningPath) -> MachineTime {
+    let limits = MachineLimits {
+        rapid_mm_min: spec.machine.rapid_mm_min,
+        acceleration_mm_s2: spec.machine.acceleration_mm_s2,
+    };
+    if !path.is_commanded() {
+        return limits.time(&path.tool.moves);
+    }
+    let minutes: Vec<f64> = path.commanded.iter().map(|turn| turn.minutes).collect();
+    limits.told_time(&path.tool.moves, &minutes)
+}

@@ -1,0 +1,210 @@
+//! The sections of a disc of any shape with half-planes through the axis, at each azimuth another.
+
+use super::TurningError;
+use super::meridian::MeridianPlace;
+use crate::geom::{DVec2, Outline};
+use crate::mirror::{LocalSurface, Mirror};
+use crate::num::{atan2, cos, sin};
+use crate::parallel;
+use std::f64::consts::{PI, TAU};
+
+/// Azimuths and places along the radius at which a mirror is looked at for what is steepest, most hollow and most bent.
+const AZIMUTHS: usize = 180;
+const RADII: usize = 48;
+/// Halvings, at most, of what the azimuth of a place of the rim is off: each step at least halves it.
+const STEPS: usize = 50;
+/// Distance from the axis, mm, within which places are taken for those so far from it: a nanometre, where all directions are told apart.
+const NEAR_AXIS_MM: f64 = 1e-6;
+
+/// A disc that a tool goes around, on whose face the axis is.
+#[derive(Debug, Clone)]
+pub struct DiscSections<'a> {
+    mirror: &'a Mirror,
+    /// q of the rim from the middle of the chart.
+    rim: f64,
+    /// Places all over the disc.
+    places: Vec<DiscPlace>,
+}
+
+/// A place of a disc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiscPlace {
+    /// Its azimuth, radians.
+    pub azimuth: f64,
+    /// The place of the section at that azimuth.
+    pub section: MeridianPlace,
+    /// Slope along the direction in which the tool cuts, towards larger azimuths.
+    pub along: f64,
+    /// Derivative by the azimuth of the slope along the circle about the axis: of a round mirror the slope along the radius.
+    pub bend: f64,
+    /// Derivative of the section's slope by the azimuth; 0 of a round mirror.
+    pub twist: f64,
+}
+
+impl DiscPlace {
+    /// Second derivative of Z by the azimuth on the circle about the axis, mm.
+    #[must_use]
+    pub fn around_mm(&self) -> f64 {
+        self.section.at.x * (self.bend - self.section.slope)
+    }
+}
+
+impl<'a> DiscSections<'a> {
+    /// Those of a mirror.
+    ///
+    /// # Errors
+    /// [`TurningError::NoDisc`].
+    pub fn new(mirror: &'a Mirror) -> Result<Self, TurningError> {
+        let refused = |what| Err(TurningError::NoDisc { what });
+        let Outline::Ring { inner, outer } = mirror.outline else {
+            return refused("the mirror's outline is a rectangle");
+        };
+        if inner > 0.0 {
+            return refused("the mirror has a flat land in its middle");
+        }
+        let mut sections = Self { mirror, rim: outer, places: Vec::new() };
+        let rims: Vec<Option<MeridianPlace>> =
+            parallel::map(AZIMUTHS, 1, |k| sections.rim(azimuth(k)));
+        let Some(rims) = rims.into_iter().collect::<Option<Vec<_>>>() else {
+            return refused("the mirror does not go all around the axis");
+        };
+        let spokes = parallel::map(AZIMUTHS, 1, |k| {
+            let radius = |j: usize| rims[k].at.x * (j as f64 + 1.0) / RADII as f64;
+            (0..RADII).map(|j| sections.place(azimuth(k), radius(j))).collect::<Option<Vec<_>>>()
+        });
+        match spokes.into_iter().collect::<Option<Vec<_>>>() {
+            Some(spokes) => sections.places = spokes.concat(),
+            None => return refused("the mirror hides parts of itself from above"),
+        }
+        Ok(sections)
+    }
+
+    /// Places all over the disc, rim included.
+    #[must_use]
+    pub fn places(&self) -> &[DiscPlace] {
+        &self.places
+    }
+
+    /// The places of the sections alone.
+    pub fn sections(&self) -> impl Iterator<Item = MeridianPlace> + Clone + '_ {
+        self.places.iter().map(|place| place.section)
+    }
+
+    /// The most of a measure of all places.
+    #[must_use]
+    pub fn most(&self, measure: impl Fn(&DiscPlace) -> f64) -> f64 {
+        self.places.iter().map(measure).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The place at an azimuth, radians, and a distance from the axis, mm, which is negative on the other side of it; none where a line
+    /// along Z misses the surface.
+    #[must_use]
+    pub fn place(&self, azimuth: f64, radius_mm: f64) -> Option<DiscPlace> {
+        let out = DVec2::new(cos(azimuth), sin(azimuth));
+        let radius_mm = if radius_mm.abs() < NEAR_AXIS_MM { NEAR_AXIS_MM } else { radius_mm };
+        let local = self.mirror.extended_surface_over(radius_mm * out)?;
+        Some(turned(&local, azimuth, out, radius_mm))
+    }
+
+    /// The place of the section at an azimuth.
+    #[must_use]
+    pub fn at(&self, azimuth: f64, radius_mm: f64) -> Option<MeridianPlace> {
+        self.place(azimuth, radius_mm).map(|place| place.section)
+    }
+
+    /// The rim at an azimuth, radians; none where it is on the wrong side of the axis.
+    #[must_use]
+    pub fn rim(&self, azimuth: f64) -> Option<MeridianPlace> {
+        // Where the chart's middle is in the axis, its azimuths are those of the plan.
+        let mut chart = azimuth;
+        let mut local = self.mirror.local_surface(self.rim * DVec2::new(cos(chart), sin(chart)));
+        for _ in 0..STEPS {
+            let plan = atan2(local.at.y, local.at.x);
+            let off = (azimuth - plan + PI).rem_euclid(TAU) - PI;
+            if off.abs() < 1e-14 {
+                break;
+            }
+            chart += off;
+            local = self.mirror.local_surface(self.rim * DVec2::new(cos(chart), sin(chart)));
+        }
+        let out = DVec2::new(cos(azimuth), sin(azimuth));
+        let radius_mm = local.at.truncate().dot(out);
+        let beside = local.at.truncate().perp_dot(out).abs();
+        (radius_mm > 0.0 && beside < 1e-9 * radius_mm)
+            .then(|| turned(&local, azimuth, out, radius_mm).section)
+    }
+}
+
+/// Azimuth of number `k` of all that are looked at, radians.
+fn azimuth(k: usize) -> f64 {
+    TAU * k as f64 / AZIMUTHS as f64
+}
+
+/// A place of the surface, as the half-plane towards `out` sees it.
+fn turned(local: &LocalSurface, azimuth: f64, out: DVec2, radius_mm: f64) -> DiscPlace {
+    let around = out.perp();
+    let second = |a: DVec2, b: DVec2| {
+        let h = &local.hessian;
+        h.xx * a.x * b.x + h.xy * (a.x * b.y + a.y * b.x) + h.yy * a.y * b.y
+    };
+    let slope = local.slope.dot(out);
+    let along = local.slope.dot(around);
+    let stretch = f64::sqrt(1.0 + slope * slope);
+    let curvature = second(out, out) / (stretch * stretch * stretch);
+    let at = DVec2::new(radius_mm, local.at.z);
+    DiscPlace {
+        azimuth,
+        section: MeridianPlace { at, slope, curvature },
+        along,
+        bend: radius_mm * second(around, around),
+        twist: along + radius_mm * second(out, around),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mirror::fixtures::quadric;
+
+    /// Of the paraboloid of two curvatures over a disc the derivatives are those of its closed form z = a x^2 / 2 + b y^2 / 2.
+    #[test]
+    fn places_have_the_derivatives_of_the_closed_form() {
+        let (a, b) = (0.02, -0.05);
+        let mut mirror = quadric([0.5 * a, 0.0, 0.5 * b], 0.0);
+        mirror.outline = Outline::Ring { inner: 0.0, outer: 9.0 };
+        let disc = DiscSections::new(&mirror).unwrap();
+        assert_eq!(disc.places().len(), AZIMUTHS * RADII);
+        let top = disc.at(0.0, 0.0).unwrap().at.y;
+        for place in disc.places() {
+            let (t, rho) = (place.azimuth, place.section.at.x);
+            let [c, s] = [cos(t), sin(t)];
+            let k = a * c * c + b * s * s;
+            let exact = [
+                top + 0.5 * k * rho * rho,
+                k * rho,
+                k / (1.0 + k * k * rho * rho).powf(1.5),
+                (b - a) * s * c * rho,
+                rho * (a * s * s + b * c * c),
+                2.0 * (b - a) * s * c * rho,
+                (b - a) * (c * c - s * s) * rho * rho,
+            ];
+            let section = place.section;
+            let found = [
+                section.at.y,
+                section.slope,
+                section.curvature,
+                place.along,
+                place.bend,
+                place.twist,
+                place.around_mm(),
+            ];
+            for (found, exact) in found.into_iter().zip(exact) {
+                assert!((found - exact).abs() < 1e-9, "{t} {rho}: {found} {exact}");
+            }
+        }
+        assert!((disc.rim(1.0).unwrap().at.x - 9.0).abs() < 1e-12);
+        // On the other side of the axis slopes have the other sign.
+        let [here, there] = [3.0, -3.0].map(|rho| disc.at(0.4, rho).unwrap());
+        assert!((here.at.y - there.at.y).abs() < 1e-12 && (here.slope + there.slope).abs() < 1e-12);
+    }
+}
