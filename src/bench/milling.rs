@@ -4,7 +4,7 @@ use super::profile_edit::{document, set};
 use super::{BenchRun, BenchSweep, BenchTime, Subject, SuggestedProgram, convergence_order, run};
 use crate::num::rounding::floor_four_digits;
 use crate::pipeline::{Error, ProgramForecast};
-use crate::profile::FinishingSpec;
+use crate::profile::{FinishingPath, FinishingSpec};
 use crate::verdict::ProgramCut;
 use toml_edit::{Item, Table, value};
 
@@ -31,8 +31,8 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> BenchSweep {
         if !radii_mm.contains(&own_mm) {
             radii_mm.push(own_mm);
         }
-        let narrowest_mm = ProgramCut::narrowest_mm(&subject.design.mirror);
         for ball_mm in radii_mm {
+            let narrowest_mm = narrowest_mm(subject, ball_mm);
             let stepovers = STEPOVERS.iter().step_by(if quick { 2 } else { 1 });
             let stepovers_mm = stepovers.map(|share| share * ball_mm);
             // Programs that are refused, as of a ball that does not fit, have no place in the plot.
@@ -54,6 +54,13 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> BenchSweep {
         runs,
         orders: order.into_iter().collect(),
     }
+}
+
+/// The least distance of lines or turns of a ball that is looked at, mm.
+fn narrowest_mm(subject: &Subject, ball_mm: f64) -> f64 {
+    let path = subject.profile.program.mill().map(|spec| spec.finishing.path);
+    let path = path.unwrap_or(FinishingPath::Lines);
+    ProgramCut::narrowest_mm(&subject.design.mirror, path, ball_mm)
 }
 
 /// A mirror as milled.
@@ -113,7 +120,6 @@ pub(super) fn suggest(
     let sweep = sweeps.iter().find(|sweep| sweep.name == NAME)?;
     let own_px = subject.design.facts.pixel_error_px?.rms;
     let left_px = (target_px * target_px - own_px * own_px).max(0.0).sqrt();
-    let narrowest_mm = ProgramCut::narrowest_mm(&subject.design.mirror);
     let mut balls: Vec<&BenchRun> = Vec::new();
     for run in sweep.runs.iter().filter(|run| run.profile == subject.name()) {
         if balls.iter().all(|other| other.series != run.series) {
@@ -125,13 +131,13 @@ pub(super) fn suggest(
         // Displacements are proportional to the stepover.
         let stepover_mm = AIM * left_px * widest.setting / widest.figures["scallop_rms_px"];
         let stepover_mm = floor_four_digits(stepover_mm.min(widest.setting));
-        let fits = stepover_mm >= narrowest_mm;
+        let fits = stepover_mm >= narrowest_mm(subject, ball_mm);
         let milled = fits.then(|| planned(subject, ball_mm, stepover_mm).ok().flatten())??;
         Some(SuggestedProgram {
             ball_mm,
             stepover_mm,
             // (But for the rounding of radians.)
-            angle_deg: (1e6 * milled.forecast.angle_deg).round() / 1e6,
+            angle_deg: milled.forecast.angle_deg.map(|angle| (1e6 * angle).round() / 1e6),
             pixel_rms_px: milled.pixel_px,
             machine_min: milled.forecast.machine_min,
             file: format!("{}-program.toml", subject.name()),
@@ -148,8 +154,10 @@ pub(super) fn edited(text: &[u8], program: &SuggestedProgram) -> Option<String> 
         table.as_table_like_mut()?.remove(key);
     }
     let SuggestedProgram { ball_mm, stepover_mm, angle_deg, .. } = *program;
-    let figures = [("ball_mm", ball_mm), ("stepover_mm", stepover_mm), ("angle_deg", angle_deg)];
+    let figures =
+        [("ball_mm", Some(ball_mm)), ("stepover_mm", Some(stepover_mm)), ("angle_deg", angle_deg)];
     for (key, figure) in figures {
+        let Some(figure) = figure else { continue };
         set(table, key, value(figure));
     }
     Some(profile.to_string())
@@ -165,7 +173,7 @@ mod tests {
         let program = SuggestedProgram {
             ball_mm: 5.0,
             stepover_mm: 0.25,
-            angle_deg: 90.0,
+            angle_deg: Some(90.0),
             pixel_rms_px: 1.0,
             machine_min: 60.0,
             file: "a.toml".into(),

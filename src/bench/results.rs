@@ -144,10 +144,11 @@ pub struct SuggestedSettings {
 pub struct SuggestedProgram {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
-    /// Distance of the finishing lines in the plan, mm.
+    /// Distance of the finishing lines or turns in the plan, mm.
     pub stepover_mm: f64,
-    /// Their direction from X towards Y, degrees.
-    pub angle_deg: f64,
+    /// Their direction from X towards Y, degrees; none of a spiral.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
     /// Pixel error of the mirror as milled, RMS, as it is foreseen, px.
     pub pixel_rms_px: f64,
     /// Time of all operations on the machine, minutes.
@@ -285,8 +286,12 @@ impl SuggestedProgram {
     fn told(&self, profile: &str) -> String {
         let Self { ball_mm, stepover_mm, angle_deg, pixel_rms_px, machine_min, file } = self;
         let reached = digits(*pixel_rms_px);
+        let path = match angle_deg {
+            Some(angle_deg) => format!("lines {stepover_mm} mm apart at {angle_deg} deg"),
+            None => format!("turns of a spiral {stepover_mm} mm apart"),
+        };
         format!(
-            "{profile}: milled by a ball of {ball_mm} mm radius, lines {stepover_mm} mm apart at {angle_deg} deg: {reached} px in \
+            "{profile}: milled by a ball of {ball_mm} mm radius, {path}: {reached} px in \
              {machine_min:.0} min on the machine -> {file}"
         )
     }

@@ -27,6 +27,7 @@ mod surface_analysis;
 
 pub use as_cut_mesh::{
     FaceLattice, ROWS, as_cut_face, bounding_corners, face_of_cut, facet_estimate, plan_outlines,
+    rim_distances,
 };
 pub use drop_cutter::surface_on_face;
 pub use fillet::{Fillet, clears_ridge, fillet_foot};

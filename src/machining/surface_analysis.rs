@@ -81,6 +81,8 @@ pub struct SurfaceAnalysis<'a> {
     samples: SurfaceSamples<'a>,
     pixels: Vec<Pixel>,
     projected: bool,
+    /// Whether lines go around the axis.
+    around: bool,
 }
 
 impl<'a> SurfaceAnalysis<'a> {
@@ -104,7 +106,22 @@ impl<'a> SurfaceAnalysis<'a> {
             samples: SurfaceSamples::new(mirror),
             pixels: pixels.concat(),
             projected: view.is_some(),
+            around: false,
         }
+    }
+
+    /// The same of a cutter whose lines go around the axis, square to the radius, in the place of a raster's direction.
+    #[must_use]
+    pub fn around_axis(self) -> Self {
+        Self { around: true, ..self }
+    }
+
+    /// Unit vector along the line through a place.
+    fn along(&self, place: &LocalSurface, raster: &BallRaster) -> DVec2 {
+        if !self.around {
+            return raster.along();
+        }
+        place.at.truncate().try_normalize().unwrap_or(DVec2::X).perp()
     }
 
     /// The place of the face where `measure` is largest.
@@ -182,13 +199,13 @@ impl<'a> SurfaceAnalysis<'a> {
             (all.iter().map(|a| a * a).sum::<f64>() / all.len() as f64).sqrt()
         };
         let known = self.projected && !self.pixels.is_empty();
-        known.then(|| if self.round() { RasterDirection::ANY } else { best(measure) })
+        known.then(|| if self.has_no_direction() { RasterDirection::ANY } else { best(measure) })
     }
 
     /// The direction whose highest scallop is least.
     #[must_use]
     pub fn best_for_height(&self, raster: &BallRaster) -> RasterDirection {
-        if self.round() {
+        if self.has_no_direction() {
             return RasterDirection::ANY;
         }
         best(|angle| {
@@ -242,9 +259,9 @@ impl<'a> SurfaceAnalysis<'a> {
     /// `share` of the scallops' own, mm.
     #[must_use]
     pub fn along_mm(&self, raster: &BallRaster, share: f64) -> f64 {
-        let along = raster.along();
         let all = self.samples.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         let steps = all.map(|(place, scallop)| {
+            let along = self.along(place, raster);
             share * scallop.slope(raster.stepover_mm) / along.dot(place.hessian.times(along)).abs()
         });
         steps.fold(f64::INFINITY, f64::min)
@@ -265,10 +282,11 @@ impl<'a> SurfaceAnalysis<'a> {
         spread(self.pixels.iter().filter_map(of).collect())
     }
 
-    /// Whether the mirror looks the same from all sides.
-    fn round(&self) -> bool {
-        self.samples.mirror().surface.is_axisymmetric()
-            && matches!(self.samples.mirror().outline, Outline::Ring { .. })
+    /// Whether all directions are as good: the mirror looks the same from all sides, or lines go around.
+    fn has_no_direction(&self) -> bool {
+        let round = self.samples.mirror().surface.is_axisymmetric()
+            && matches!(self.samples.mirror().outline, Outline::Ring { .. });
+        self.around || round
     }
 
     fn cut<'b>(
@@ -277,14 +295,15 @@ impl<'a> SurfaceAnalysis<'a> {
         raster: &BallRaster,
     ) -> Option<(&'b LocalSurface, Scallop)> {
         let fits = clears_ridge(self.samples.mirror(), place, raster.ball_mm);
-        let scallop = fits.then(|| Scallop::new(place, raster.ball_mm, raster.along()))??;
+        let scallop =
+            fits.then(|| Scallop::new(place, raster.ball_mm, self.along(place, raster)))??;
         Some((place, scallop))
     }
 
     /// The largest displacement that the scallops cause in each pixel that has a finite one, pixels.
     fn displacements(&self, raster: &BallRaster) -> Vec<f64> {
-        let across = raster.along().perp();
         self.over_pixels(raster, |pixel, scallop| {
+            let across = self.along(&pixel.place, raster).perp();
             let [x, y] = pixel.moves?;
             Some((x * across.x + y * across.y).length() * scallop.slope(raster.stepover_mm))
         })

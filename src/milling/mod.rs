@@ -1,14 +1,16 @@
-//! Milling: the moves of ball cutters that make a mirror of a block, and the programs that a control reads.
+//! Milling: the moves of cutters that make a mirror of a block, and the programs that a control reads.
 //!
 //! # Definitions
 //!
 //! - An **operation** is what one cutter does in one program: roughing, semi-finishing or finishing. Its **moves** are those of
-//!   the cutter's **tip**, the lowest place of its ball, in the part frame.
+//!   the cutter's **tip**, the lowest place of its end on its axis, in the part frame.
 //! - A **tip line** follows one line of a raster over the whole mirror ([`Passes`](crate::machining::Passes)), from beyond one
 //!   side of it to beyond the other: places of the designed surface, no facets. A ball of radius R that is to leave an **allowance** a
 //!   follows the centres of a ball of radius R + a.
+//! - A **flat** or a **bull-nosed** cutter that roughs goes along lines of its axis, at the heights where it rests on the mirror with the allowance.
 //! - **Roughing** takes the lines at levels: at each level the tip goes no lower than that and than its line. **Semi-finishing** and
 //!   **finishing** take them as they are, with the allowance and without.
+//! - A **spiral** takes the place of the lines of semi-finishing and finishing on a round mirror: one tip line from rim to axis.
 //! - Lines over a **crest** go on straight from both sides until they meet above it, so that the crest stays sharp.
 //!
 //! What is written is proven elsewhere: a reader of its own reads the programs, cuts them and traces what they leave.
@@ -19,6 +21,9 @@ mod levels;
 mod motions;
 mod operation;
 mod post;
+mod rest_heights;
+mod rest_lines;
+mod spiral;
 mod stock_block;
 mod surface_lines;
 mod tip_line;

@@ -5,18 +5,24 @@ use super::bridge::TipLines;
 use super::cutting_data::{Speeds, stepdown_mm};
 use super::levels::LevelCut;
 use super::motions::TipMove;
+use super::rest_heights::RestHeights;
+use super::rest_lines::rest_lines;
+use super::spiral::Spiral;
 use super::stock_block::StockBlock;
 use super::surface_lines::SurfaceCut;
+use crate::geom::Cutter;
 use crate::machining::{
     BallRaster, MOST_POINTS, MachiningError, Passes, SurfaceAnalysis, bounding_corners,
     plan_outlines,
 };
 use crate::mirror::Mirror;
-use crate::profile::{CutterLengths, MillSpec};
+use crate::profile::{CutterLengths, FinishingPath, MillSpec};
 use serde::Serialize;
 
-/// Stepover of roughing over the ball's radius: 40 % of its diameter.
+/// Stepover of roughing over the cutter's radius: 40 % of its diameter.
 const ROUGH_STEPOVER: f64 = 0.8;
+/// What stands between two lines of roughing over the cutter's radius, at most: of balls, whose cusps are half the stepover's square.
+const ROUGH_CUSP: f64 = 0.5 * ROUGH_STEPOVER * ROUGH_STEPOVER;
 /// Scallops of semi-finishing, and what its straight moves are off the path, over the allowance: it is to be left within 10 %.
 const SEMI_SCALLOP: f64 = 0.06;
 const SEMI_CHORD: f64 = 0.02;
@@ -51,9 +57,9 @@ pub struct MillingTask<'a> {
 pub struct Operation {
     /// What it is.
     pub kind: OperationKind,
-    /// Radius of the ball, mm.
-    pub ball_mm: f64,
-    /// Lengths of its cutter.
+    /// The cutter's end.
+    pub cutter: Cutter,
+    /// Lengths of the cutter.
     pub lengths: CutterLengths,
     /// Distance of its lines in the plan, mm.
     pub stepover_mm: f64,
@@ -102,10 +108,10 @@ impl MillingTask<'_> {
         self.stock.top_mm + self.spec.machine.safe_mm
     }
 
-    /// Radius of the ball that roughs, mm.
+    /// The cutter that roughs.
     #[must_use]
-    pub fn rough_ball_mm(&self) -> f64 {
-        self.spec.roughing.ball_mm.unwrap_or(self.raster.ball_mm)
+    pub fn rough_cutter(&self) -> Cutter {
+        self.spec.roughing.cutter.unwrap_or_else(|| Cutter::ball(self.raster.ball_mm))
     }
 
     /// All operations, in their order.
@@ -154,11 +160,14 @@ impl MillingTask<'_> {
     fn check_hollow(&self) -> Result<(), MillingError> {
         let Some(hollow) = self.analysis.least_hollow_mm() else { return Ok(()) };
         let allowance_mm = self.spec.roughing.allowance_mm;
+        // Other cutters than balls rest on what is too hollow for them.
+        let rough = self.rough_cutter().ball_mm();
         let balls = [
-            (self.rough_ball_mm(), "roughing", "program.rough_ball_mm"),
-            (self.raster.ball_mm, "semi-finishing", "program.ball_mm"),
+            rough.map(|ball_mm| (ball_mm, "roughing", "program.rough_ball_mm")),
+            Some((self.raster.ball_mm, "semi-finishing", "program.ball_mm")),
         ];
-        let tight = balls.into_iter().find(|(ball_mm, ..)| ball_mm + allowance_mm > hollow.value);
+        let tight =
+            balls.into_iter().flatten().find(|(ball_mm, ..)| ball_mm + allowance_mm > hollow.value);
         tight.map_or(Ok(()), |(ball_mm, what, key)| {
             let [x, y, _] = hollow.at_mm;
             let why = format!(
@@ -179,13 +188,7 @@ impl MillingTask<'_> {
     ) -> Result<TipLines, MillingError> {
         let raster = BallRaster { ball_mm: ball_mm + allowance_mm, stepover_mm, ..self.raster };
         let corners = bounding_corners(&plan_outlines(self.mirror));
-        let passes = Passes::new(self.mirror, corners, raster).map_err(|error| match error {
-            MachiningError::TooFine { count, .. } => {
-                let (what, key) = ("the lines", "stepover_mm");
-                MillingError::Many { what, count, most: MOST_POINTS, key }
-            }
-            other => other.into(),
-        })?;
+        let passes = Passes::new(self.mirror, corners, raster).map_err(too_many)?;
         let paths = passes.paths(chord_mm, longest_mm);
         let mut lines = TipLines::new(&paths, ball_mm, self.mirror.folded);
         let all = lines.across.iter_mut().chain(&mut lines.ridge);
@@ -193,11 +196,55 @@ impl MillingTask<'_> {
         Ok(lines)
     }
 
+    /// The path over the surface of the ball that finishes, which leaves `allowance_mm`: its lines, or its spiral.
+    fn surface_lines(
+        &self,
+        allowance_mm: f64,
+        stepover_mm: f64,
+        [chord_mm, longest_mm]: [f64; 2],
+    ) -> Result<TipLines, MillingError> {
+        let ball_mm = [self.raster.ball_mm, allowance_mm];
+        if self.spec.finishing.path == FinishingPath::Lines {
+            return self.lines(ball_mm, stepover_mm, [chord_mm, longest_mm]);
+        }
+        let spiral = Spiral { mirror: self.mirror, ball_mm, stepover_mm, chord_mm, longest_mm };
+        let mut line = spiral.line().map_err(too_many)?;
+        line.raise(self.floor_mm);
+        Ok(TipLines { across: vec![line], ridge: Vec::new() })
+    }
+
+    /// Distance of the lines that rough, mm. On a slope what stands between those of a flat end is as high as the slope times their distance.
+    fn rough_stepover_mm(&self, cutter: Cutter) -> f64 {
+        let widest = ROUGH_STEPOVER * cutter.radius_mm;
+        if cutter.ball_mm().is_some() {
+            return widest;
+        }
+        let (steepest, _) = self.analysis.largest(|place| place.slope.length());
+        let by_slope = ROUGH_CUSP * cutter.radius_mm / steepest.max(f64::MIN_POSITIVE);
+        widest.min(by_slope)
+    }
+
+    /// The lines along which a cutter that is no ball rests on the mirror with the allowance.
+    fn rest_lines(&self, cutter: Cutter, stepover_mm: f64) -> TipLines {
+        let heights = RestHeights::new(self.mirror, cutter, self.spec.roughing.allowance_mm);
+        let raster = BallRaster { ball_mm: cutter.radius_mm, stepover_mm, ..self.raster };
+        let corners = bounding_corners(&plan_outlines(self.mirror));
+        let mut lines = rest_lines(&heights, &raster, corners);
+        lines.across.iter_mut().for_each(|line| line.raise(self.floor_mm));
+        lines
+    }
+
     fn roughing(&self) -> Result<Operation, MillingError> {
-        let (ball_mm, allowance_mm) = (self.rough_ball_mm(), self.spec.roughing.allowance_mm);
-        let stepover_mm = ROUGH_STEPOVER * ball_mm;
+        let (cutter, allowance_mm) = (self.rough_cutter(), self.spec.roughing.allowance_mm);
+        let ball_mm = cutter.radius_mm;
         let chord_mm = ROUGH_CHORD * allowance_mm;
-        let lines = self.lines([ball_mm, allowance_mm], stepover_mm, [chord_mm, f64::INFINITY])?;
+        let stepover_mm = self.rough_stepover_mm(cutter);
+        let lines = match cutter.ball_mm() {
+            Some(ball_mm) => {
+                self.lines([ball_mm, allowance_mm], stepover_mm, [chord_mm, f64::INFINITY])?
+            }
+            None => self.rest_lines(cutter, stepover_mm),
+        };
         let cut = LevelCut {
             stock: self.stock,
             raster: BallRaster { ball_mm, stepover_mm, ..self.raster },
@@ -208,7 +255,7 @@ impl MillingTask<'_> {
         let (motions, levels) = cut.moves(&lines);
         Ok(Operation {
             kind: OperationKind::Roughing,
-            ball_mm,
+            cutter,
             lengths: self.spec.rough_lengths(),
             stepover_mm,
             levels,
@@ -225,9 +272,8 @@ impl MillingTask<'_> {
         let asked = self.analysis.stepover_for_height(&self.raster, SEMI_SCALLOP * allowance_mm);
         let stepover_mm = asked.unwrap_or(0.2 * ball_mm);
         let limits = [SEMI_CHORD * allowance_mm, f64::INFINITY];
-        let lines = self.lines([ball_mm, allowance_mm], stepover_mm, limits)?;
-        let rough_mm = self.rough_ball_mm();
-        let left_mm = 0.5 * ROUGH_STEPOVER * ROUGH_STEPOVER * rough_mm;
+        let lines = self.surface_lines(allowance_mm, stepover_mm, limits)?;
+        let left_mm = ROUGH_CUSP * self.rough_cutter().radius_mm;
         let feed = self.spec.speeds.feed_mm_min;
         Ok(self.along_surface(
             (OperationKind::SemiFinishing, feed),
@@ -237,10 +283,10 @@ impl MillingTask<'_> {
     }
 
     fn finishing(&self) -> Result<Operation, MillingError> {
-        let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
+        let stepover_mm = self.raster.stepover_mm;
         let chord_mm = 1e-3 * self.spec.finishing.chord_um;
         let longest_mm = self.analysis.along_mm(&self.raster, FINE_SLOPE);
-        let lines = self.lines([ball_mm, 0.0], stepover_mm, [chord_mm, longest_mm])?;
+        let lines = self.surface_lines(0.0, stepover_mm, [chord_mm, longest_mm])?;
         let feed = self.spec.speeds.feed_mm_min;
         let left_mm = self.spec.roughing.allowance_mm;
         Ok(self.along_surface(
@@ -261,7 +307,7 @@ impl MillingTask<'_> {
         let cut = SurfaceCut { ball_mm, stepover_mm, left_mm, safe_mm: self.safe_mm() };
         Operation {
             kind,
-            ball_mm,
+            cutter: Cutter::ball(ball_mm),
             lengths: self.spec.finishing.lengths,
             stepover_mm,
             levels: 1,
@@ -269,5 +315,16 @@ impl MillingTask<'_> {
             speeds: Speeds::new(self.spec, ball_mm, feed_mm_min),
             motions: cut.moves(lines),
         }
+    }
+}
+
+/// Lines of which there are more than can be kept.
+fn too_many(error: MachiningError) -> MillingError {
+    match error {
+        MachiningError::TooFine { count, .. } => {
+            let (what, key) = ("the lines", "stepover_mm");
+            MillingError::Many { what, count, most: MOST_POINTS, key }
+        }
+        other => other.into(),
     }
 }

@@ -122,7 +122,7 @@ impl MoveWriter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::DVec3;
+    use crate::geom::{Cutter, DVec3};
     use crate::milling::{OperationKind, Pace, Speeds};
     use crate::profile::CutterLengths;
 
@@ -130,7 +130,7 @@ mod tests {
         let at = |x: f64, z: f64, pace| TipMove { to: DVec3::new(x, -0.00001, z), pace };
         Operation {
             kind: OperationKind::Finishing,
-            ball_mm: 3.0,
+            cutter: Cutter::ball(3.0),
             lengths: CutterLengths::default(),
             stepover_mm: 0.3,
             levels: 1,

@@ -186,6 +186,8 @@ fn facts(
         operation: operation.kind,
         file,
         ball_mm: None,
+        radius_mm: None,
+        corner_mm: None,
         stepover_mm: None,
         nose_mm: Some(operation.nose_mm),
         feed_mm_rev: Some(feed_mm_rev),

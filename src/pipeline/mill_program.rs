@@ -5,16 +5,16 @@ use super::program_travel::travelled;
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::machining::{BallRaster, SurfaceAnalysis};
+use crate::machining::BallRaster;
 use crate::milling::{Header, MillingError, MillingTask, Operation, StockBlock, program_text};
 use crate::num::rounding::floor_four_digits;
-use crate::profile::{CutterLengths, FinishingSpec, MillSpec, Profile};
+use crate::profile::{CutterLengths, FinishingPath, FinishingSpec, MillSpec, Profile};
 use crate::program::{MachineLimits, MachineTime, ToolPath};
 use crate::report::LeftPicture;
 use crate::results::{FileFacts, FileFault, OperationFacts, ProgramReport, Reason, SCHEMA};
 use crate::verdict::{
-    self, CutterSurvey, MachiningOptions, MilledBlock, ProgramCut, ProgramLeft, directed,
-    stepover_for_picture, stock_corners,
+    self, CutterSurvey, MachiningOptions, MilledBlock, ProgramCut, ProgramLeft, analysis_of,
+    directed, stepover_for_picture, stock_corners,
 };
 
 /// The stepover over the ball's radius at which displacements are asked for, to which they are proportional.
@@ -88,7 +88,7 @@ pub(super) fn survey<'a>(
     spec: &MillSpec,
     design: &'a Design,
 ) -> Result<CutterSurvey<'a>, MillingError> {
-    let FinishingSpec { ball_mm, stepover_mm, budget_px, angle_deg, .. } = spec.finishing;
+    let FinishingSpec { ball_mm, path, stepover_mm, budget_px, angle_deg, .. } = spec.finishing;
     let FinishingSpec { scallop_um, polish_um, chord_um, .. } = spec.finishing;
     // (Chords stand out of the mirror too.)
     let polished = polish_um.map(|um| SCALLOPS_OF_POLISH * (um - chord_um).max(0.5 * um));
@@ -103,10 +103,10 @@ pub(super) fn survey<'a>(
         as_cut: false,
     };
     if !profile.is_one_surface() || profile.part.forming.is_some() {
-        return Ok(CutterSurvey::new(profile, design, &options)?);
+        return Ok(CutterSurvey::of_path(profile, design, &options, path)?);
     }
     if stepover_mm.is_none() {
-        let analysis = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
+        let analysis = analysis_of(design, path);
         let (_, raster) = directed(&analysis, &options);
         let raster = BallRaster { stepover_mm: FIRST_STEPOVER * ball_mm, ..raster };
         let for_picture = match budget_px {
@@ -117,11 +117,11 @@ pub(super) fn survey<'a>(
         let for_height = scallop_um.and_then(|um| analysis.stepover_for_height(&raster, 1e-3 * um));
         let ends = [for_picture, for_height].into_iter().flatten();
         let [narrowest, widest] = USUAL_STEPOVERS.map(|share| share * ball_mm);
-        let narrowest = narrowest.max(ProgramCut::narrowest_mm(&design.mirror));
+        let narrowest = narrowest.max(ProgramCut::narrowest_mm(&design.mirror, path, ball_mm));
         let stepover_mm = ends.fold(widest, f64::min).max(narrowest);
         options.stepover_mm = Some(floor_four_digits(stepover_mm));
     }
-    let survey = CutterSurvey::new(profile, design, &options)?;
+    let survey = CutterSurvey::of_path(profile, design, &options, path)?;
     match &survey.hollow {
         Some(why) => Err(MillingError::Unreached {
             why: why.to_string(),
@@ -152,6 +152,11 @@ pub(super) fn task<'a>(
     }
 }
 
+/// Direction of the finishing lines, degrees; none of a spiral.
+pub(super) fn direction_of(spec: &MillSpec, angle_deg: f64) -> Option<f64> {
+    (spec.finishing.path == FinishingPath::Lines).then_some(angle_deg)
+}
+
 /// What the machine's axes can do.
 pub(super) fn limits(spec: &MillSpec) -> MachineLimits {
     let machine = &spec.machine;
@@ -170,7 +175,7 @@ fn begun(profile: &Profile, spec: &MillSpec, survey: &CutterSurvey) -> ProgramRe
         control: spec.control.control(),
         work_offset: spec.work_offset.name().to_owned(),
         stock: found.stock,
-        angle_deg: Some(found.angle_deg),
+        angle_deg: direction_of(spec, found.angle_deg),
         operations: Vec::new(),
         machine_min: 0.0,
         reach_mm: 0.0,
@@ -223,7 +228,11 @@ fn cutter_words(operation: &Operation, spec: &MillSpec) -> String {
     let CutterLengths { flute_mm, stickout_mm, .. } = operation.lengths;
     let teeth = flute_mm.map_or(String::new(), |mm| format!(" {mm} mm long"));
     let out = stickout_mm.map_or(String::new(), |mm| format!(", {mm} mm out of its holder"));
-    format!("ball {} mm radius, {} teeth{teeth}{out}", operation.ball_mm, spec.speeds.teeth)
+    let cutter = match operation.cutter.ball_mm() {
+        Some(ball_mm) => format!("ball {ball_mm} mm radius"),
+        None => operation.cutter.words(),
+    };
+    format!("{cutter}, {} teeth{teeth}{out}", spec.speeds.teeth)
 }
 
 /// The block in the course of its programs, as they are read back.
@@ -256,7 +265,8 @@ impl Shop {
                 return;
             }
         };
-        let Operation { kind, ball_mm, allowance_mm, .. } = *operation;
+        let Operation { kind, cutter, allowance_mm, .. } = *operation;
+        let other = cutter.ball_mm().is_none().then_some(cutter);
         let figures = [1e-3 * spec.finishing.chord_um, spec.machine.holder_diameter_mm];
         let ProgramLeft { left, lengths: [flute, stickout], faults } =
             self.block.cut(&path, operation, figures);
@@ -270,7 +280,9 @@ impl Shop {
         report.operations.push(OperationFacts {
             operation: kind,
             file,
-            ball_mm: Some(ball_mm),
+            ball_mm: cutter.ball_mm(),
+            radius_mm: other.map(|cutter| cutter.radius_mm),
+            corner_mm: other.map(|cutter| cutter.corner_mm),
             stepover_mm: Some(operation.stepover_mm),
             nose_mm: None,
             feed_mm_rev: None,

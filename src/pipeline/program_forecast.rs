@@ -1,7 +1,7 @@
 //! What the programs of a profile will take and leave, by plan and study alone: no file is written.
 
 use super::Error;
-use super::mill_program::{limits, refused, survey, task};
+use super::mill_program::{direction_of, limits, refused, survey, task};
 use crate::design::Design;
 use crate::milling::{Operation, TipMove};
 use crate::num::stats::Summary;
@@ -13,8 +13,8 @@ use crate::program::ToolMove;
 pub(crate) struct ProgramForecast {
     /// Distance of the finishing lines in the plan, mm.
     pub stepover_mm: f64,
-    /// Their direction from X towards Y, degrees.
-    pub angle_deg: f64,
+    /// Their direction from X towards Y, degrees; none of a spiral.
+    pub angle_deg: Option<f64>,
     /// How far scallops displace the pixels, px; none without a projection.
     pub scallops_px: Option<Summary>,
     /// Time of all operations on the machine, minutes.
@@ -37,7 +37,7 @@ impl ProgramForecast {
         let found = &survey.found;
         Ok(Self {
             stepover_mm: found.stepover_mm,
-            angle_deg: found.angle_deg,
+            angle_deg: direction_of(spec, found.angle_deg),
             scallops_px: found.scallops.as_ref().and_then(|scallops| scallops.pixel_error_px),
             machine_min: operations.iter().map(minutes).sum(),
             moves: operations.iter().map(|operation| operation.motions.len()).sum(),

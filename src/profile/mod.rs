@@ -57,7 +57,7 @@ pub use obstacle::{CameraBody, ObstacleSpec};
 pub use program::{
     CutterLengths, FinishingSpec, MachineSpec, MillSpec, ProgramSpec, RoughingSpec, SpeedsSpec,
 };
-pub use program_words::{MillControl, ProgramControl, StockMaterial, WorkOffset};
+pub use program_words::{FinishingPath, MillControl, ProgramControl, StockMaterial, WorkOffset};
 pub use projection::{
     AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,
     StripSpec,

@@ -1,8 +1,9 @@
 //! How the mirror is milled or turned: `[program]`, with usual values in place of what is absent.
 
-use super::program_words::{MillControl, StockMaterial, WorkOffset};
+use super::program_words::{FinishingPath, MillControl, StockMaterial, WorkOffset};
 use super::servo::ServoSpec;
 use super::turning::{LatheControl, TurnSpec};
+use crate::geom::Cutter;
 
 /// The machine that makes the mirror, and how: `program.machine`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +51,7 @@ impl Default for ProgramSpec {
     }
 }
 
-/// How the mirror is milled by ball cutters on three axes.
+/// How the mirror is milled on three axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillSpec {
     /// What the stock is of.
@@ -76,13 +77,15 @@ pub struct MillSpec {
 pub struct FinishingSpec {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
-    /// Distance of the lines in the plan, mm; none for the largest that keeps both budgets.
+    /// Straight lines, or turns of a spiral.
+    pub path: FinishingPath,
+    /// Distance of the lines or turns in the plan, mm; none for the largest that keeps both budgets.
     pub stepover_mm: Option<f64>,
     /// Height that no scallop may exceed, um.
     pub scallop_um: Option<f64>,
     /// Pixel error that 95 % of the face as cut may not exceed; none for the largest that a build is held to.
     pub budget_px: Option<f64>,
-    /// Direction of the lines from X towards Y, degrees; none for the best.
+    /// Direction of the lines from X towards Y, degrees; none for the best. A spiral has none.
     pub angle_deg: Option<f64>,
     /// What straight moves may be off the path of the ball, um.
     pub chord_um: f64,
@@ -106,8 +109,8 @@ pub struct CutterLengths {
 /// Levels that take the stock away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughingSpec {
-    /// Radius of the ball, mm; none for the one that finishes.
-    pub ball_mm: Option<f64>,
+    /// The cutter's end; none for the ball that finishes.
+    pub cutter: Option<Cutter>,
     /// What is left on the mirror, mm.
     pub allowance_mm: f64,
     /// From level to level, mm; none for what is usual of the material.
@@ -149,10 +152,10 @@ pub struct MachineSpec {
 }
 
 impl MillSpec {
-    /// Lengths of the cutter that roughs, which finishes too where it has no ball of its own.
+    /// Lengths of the cutter that roughs, which is the one that finishes where there is no other.
     #[must_use]
     pub fn rough_lengths(&self) -> CutterLengths {
-        match self.roughing.ball_mm {
+        match self.roughing.cutter {
             Some(_) => self.roughing.lengths,
             None => self.finishing.lengths,
         }
@@ -169,6 +172,7 @@ impl Default for MillSpec {
             stock_mm: 1.0,
             finishing: FinishingSpec {
                 ball_mm: 3.0,
+                path: FinishingPath::Lines,
                 stepover_mm: None,
                 scallop_um: None,
                 budget_px: None,
@@ -178,7 +182,7 @@ impl Default for MillSpec {
                 lengths: CutterLengths::default(),
             },
             roughing: RoughingSpec {
-                ball_mm: None,
+                cutter: None,
                 allowance_mm: 0.3,
                 stepdown_mm: None,
                 lengths: CutterLengths::default(),

@@ -43,6 +43,15 @@ pub enum ProgramControl {
     Xzc,
 }
 
+/// Path of the cutter over the mirror in finishing and semi-finishing on a mill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FinishingPath {
+    /// Straight lines of the plan, one after the other.
+    Lines,
+    /// Turns of one spiral about the axis, from the rim inwards.
+    Spiral,
+}
+
 /// Offset of a zero point: the number of its word, G54 to G59.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkOffset(u8);
@@ -63,6 +72,20 @@ impl WorkOffset {
             57 => "G57",
             58 => "G58",
             _ => "G59",
+        }
+    }
+}
+
+impl FinishingPath {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Lines, Self::Spiral];
+
+    /// Its name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lines => "lines",
+            Self::Spiral => "spiral",
         }
     }
 }

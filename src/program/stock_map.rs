@@ -1,10 +1,10 @@
-//! A block under a ball cutter: what is left of it over a grid of places after each program, and moves that should not meet it.
+//! A block under a cutter: what is left of it over a grid of places after each program, and moves that should not meet it.
 
 use super::ToolMove;
 use super::band_heights::BandHeights;
+use super::cutter_move::CutterMove;
 use super::stock_beside::{HighestBeside, StockBeside};
-use super::swept_ball::lower_side;
-use crate::geom::{DVec2, DVec3};
+use crate::geom::{Cutter, DVec2, DVec3};
 use crate::parallel;
 
 /// Places along the longer side of a block, at most, and the least distance of two, mm.
@@ -39,11 +39,11 @@ pub struct MovedInto {
     pub depth_mm: f64,
 }
 
-/// A ball cutter in its holder.
+/// A cutter in its holder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldCutter {
-    /// Radius of the ball, mm.
-    pub ball_mm: f64,
+    /// Its end.
+    pub cutter: Cutter,
     /// Radius of what is above its teeth, mm.
     pub shank_mm: f64,
     /// Radius of the holder, mm.
@@ -57,7 +57,7 @@ pub struct StockMoves {
     pub rapid: Option<MovedInto>,
     /// The first feed move straight down into it.
     pub plunge: Option<MovedInto>,
-    /// What is highest over the tip where the shank or the ball pass: teeth must be longer.
+    /// What is highest over the tip where the shank or the cutter's end pass: teeth must be longer.
     pub by_shank: Option<StockBeside>,
     /// What is highest over the tip where the holder passes: the cutter must stand out of it by more.
     pub by_holder: Option<StockBeside>,
@@ -129,7 +129,7 @@ fn highest_of(a: Option<StockBeside>, b: Option<StockBeside>) -> Option<StockBes
 /// Some rows of the grid, and a cutter over them.
 struct Band {
     heights: BandHeights,
-    ball_mm: f64,
+    cutter: Cutter,
     by_shank: HighestBeside,
     by_holder: HighestBeside,
     found: StockMoves,
@@ -137,11 +137,11 @@ struct Band {
 
 impl Band {
     fn new(heights: BandHeights, cutter: &HeldCutter) -> Self {
-        let HeldCutter { ball_mm, shank_mm, holder_mm } = *cutter;
+        let HeldCutter { cutter, shank_mm, holder_mm } = *cutter;
         Self {
             heights,
-            ball_mm,
-            by_shank: HighestBeside::new(shank_mm.max(ball_mm)),
+            cutter,
+            by_shank: HighestBeside::new(shank_mm.max(cutter.radius_mm)),
             by_holder: HighestBeside::new(holder_mm),
             found: StockMoves::default(),
         }
@@ -159,23 +159,18 @@ impl Band {
     }
 
     fn cut(&mut self, step: &ToolMove) {
-        let radius_mm = self.ball_mm;
-        let centres = [step.from, step.to].map(|tip| tip + DVec3::Z * radius_mm);
-        let ends = centres.map(|centre| centre.truncate());
-        let [rows, columns] = self.heights.within(ends, radius_mm);
-        let middle = 0.5 * (ends[0] + ends[1]);
-        let half = 0.5 * ends[0].distance(ends[1]);
-        let lowest = step.from.z.min(step.to.z);
+        let passed = CutterMove::new(step, self.cutter);
+        let ends = [step.from, step.to].map(|tip| tip.truncate());
+        let [rows, columns] = self.heights.within(ends, self.cutter.radius_mm);
         for row in rows {
             for column in columns.clone() {
                 let k = row * self.heights.columns() + column;
                 let (at, height) = (self.heights.place(k), self.heights.height(k));
-                // A ball's lower side is above the paraboloid of its curvature; most places are lower by then.
-                let beside = (at.distance(middle) - half).max(0.0);
-                if height <= lowest + beside * beside / (2.0 * radius_mm) {
+                // Most places are lower by then.
+                if height <= passed.least(at) {
                     continue;
                 }
-                let Some((z, _)) = lower_side(&centres, at, radius_mm) else { continue };
+                let Some(z) = passed.lowest(at) else { continue };
                 let depth_mm = height - z;
                 if depth_mm > 0.0 {
                     if depth_mm > FLOOR_MM {
@@ -206,7 +201,7 @@ mod tests {
     }
 
     fn cutter(ball_mm: f64) -> HeldCutter {
-        HeldCutter { ball_mm, shank_mm: ball_mm, holder_mm: 5.0 }
+        HeldCutter { cutter: Cutter::ball(ball_mm), shank_mm: ball_mm, holder_mm: 5.0 }
     }
 
     fn block() -> StockMap {
@@ -245,6 +240,28 @@ mod tests {
         let found = block().cut(&[cut, ramp], &cutter(2.0));
         assert_eq!((found.rapid, found.plunge), (None, None));
     }
+
+    /// A groove of a flat cutter has straight walls, one of a bull-nosed cutter quarters of circles in its corners.
+    #[test]
+    fn a_groove_has_the_cutters_section() {
+        let along = step([-13.0, 0.0, 4.0], [13.0, 0.0, 4.0], Some(1.0), 1);
+        for corner_mm in [0.0, 0.5] {
+            let end = Cutter { radius_mm: 2.0, corner_mm };
+            let mut map = block();
+            map.cut(&[along], &HeldCutter { cutter: end, ..cutter(2.0) });
+            for k in 0..map.heights.len() {
+                let y = map.place(k).y.abs();
+                let x = y - (2.0 - corner_mm);
+                let exact = match x {
+                    _ if y >= 2.0 => 5.0,
+                    _ if x > 0.0 => 4.0 + corner_mm - f64::sqrt(corner_mm * corner_mm - x * x),
+                    _ => 4.0,
+                };
+                assert!((map.heights[k] - exact).abs() < 1e-12, "{corner_mm} {y}");
+            }
+        }
+    }
+
     /// Beside a groove that is cut in two steps, the ball has a millimetre and then two over its tip, the holder as much of the block's
     /// top, wherever it passes; beside the block, what the holder reaches of it.
     #[test]

@@ -5,6 +5,7 @@ use super::fact_rows::{errors_sentence, ray_counts};
 use super::maps::left_map;
 use super::milling_plots::{section_figure, speeds_figure, times_figure};
 use super::page::{map_figure, page_of};
+use crate::geom::Cutter;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
     AsCutFacts, LeftFacts, LengthFacts, OperationFacts, ProgramReport, ServoFacts, error_px,
@@ -109,8 +110,10 @@ impl Answer for ProgramReport {
         let [x, y, z] = self.travel_mm;
         rows.details(|rows| {
             rows.add("travel", format!("{x:.1} x {y:.1} x {z:.1} mm"));
-            if let Some(angle_deg) = self.angle_deg {
-                rows.add("direction", format!("{angle_deg:.2} deg from X"));
+            match self.angle_deg {
+                Some(angle_deg) => rows.add("direction", format!("{angle_deg:.2} deg from X")),
+                None if self.is_turned() => {}
+                None => rows.add("path", "a spiral about the axis; roughing along X"),
             }
         });
         if let Some(program) = &self.program {
@@ -127,7 +130,7 @@ impl ProgramReport {
         self.holder_diameter_mm.is_none()
     }
 
-    /// A row for each ball, with the most that its operations need; of a lathe how far the tool reaches.
+    /// A row for each cutter, with the most that its operations need; of a lathe how far the tool reaches.
     fn add_cutters(&self, rows: &mut AnswerRows) {
         let Some(holder_mm) = self.holder_diameter_mm else {
             if let Some(nose_mm) = self.operations.first().and_then(|done| done.nose_mm) {
@@ -139,18 +142,19 @@ impl ProgramReport {
             }
             return;
         };
-        let mut balls: Vec<f64> = self.operations.iter().filter_map(|done| done.ball_mm).collect();
-        balls.dedup();
-        for ball_mm in balls {
-            let of_ball = || self.operations.iter().filter(|done| done.ball_mm == Some(ball_mm));
+        let mut cutters: Vec<Cutter> =
+            self.operations.iter().filter_map(OperationFacts::cutter).collect();
+        cutters.dedup();
+        for cutter in cutters {
+            let of_cutter = || self.operations.iter().filter(|done| done.cutter() == Some(cutter));
             let longest = |length: fn(&OperationFacts) -> Option<LengthFacts>| {
-                let lengths = of_ball().filter_map(length);
+                let lengths = of_cutter().filter_map(length);
                 lengths.reduce(|a, b| if b.least_mm > a.least_mm { b } else { a })
             };
             let flute = length_words("teeth", longest(|done| done.flute), "long");
             let holder = format!("out of a holder of {holder_mm} mm diameter");
             let stickout = length_words("", longest(|done| done.stickout), &holder);
-            rows.add("cutter", format!("ball of {ball_mm} mm radius, {flute},{stickout}"));
+            rows.add("cutter", format!("{}, {flute},{stickout}", cutter.words()));
         }
     }
 
@@ -254,15 +258,23 @@ impl ServoFacts {
 impl OperationFacts {
     /// The tool, the levels, what is between its lines, and the feed.
     fn tool_words(&self, levels: &str) -> String {
-        let Self { ball_mm, stepover_mm, nose_mm, feed_mm_rev, .. } = self;
-        let ball = ball_mm.zip(*stepover_mm).map(|(ball_mm, stepover_mm)| {
+        let Self { stepover_mm, nose_mm, feed_mm_rev, .. } = self;
+        let cutter = self.cutter().zip(*stepover_mm).map(|(cutter, stepover_mm)| {
             let apart = three_digits(stepover_mm);
             let feed = self.speeds.feed_mm_min;
-            format!("ball of {ball_mm} mm radius, {levels}lines {apart} mm apart, {feed} mm/min")
+            let cutter = cutter.words();
+            format!("{cutter}, {levels}lines {apart} mm apart, {feed} mm/min")
         });
         let nose = nose_mm.zip(*feed_mm_rev).map(|(nose_mm, feed_mm)| {
             format!("nose of {nose_mm} mm radius, {levels}{feed_mm} mm in a turn")
         });
-        ball.or(nose).unwrap_or_default()
+        cutter.or(nose).unwrap_or_default()
+    }
+
+    /// The cutter of a mill.
+    fn cutter(&self) -> Option<Cutter> {
+        let other = self.radius_mm.zip(self.corner_mm);
+        let other = other.map(|(radius_mm, corner_mm)| Cutter { radius_mm, corner_mm });
+        self.ball_mm.map(Cutter::ball).or(other)
     }
 }

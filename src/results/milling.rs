@@ -24,7 +24,7 @@ pub struct ProgramReport {
     pub work_offset: String,
     /// The block, or the box around the bar.
     pub stock: StockFacts,
-    /// Direction of the lines from X towards Y, degrees; none of a lathe.
+    /// Direction of the lines from X towards Y, degrees; none of a spiral and of a lathe.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
     /// The operations, in their order, each a program.
@@ -68,10 +68,16 @@ pub struct OperationFacts {
     pub operation: OperationKind,
     /// Its program.
     pub file: String,
-    /// Radius of the ball, mm; none of a lathe.
+    /// Radius of the ball, mm; none of another cutter and of a lathe.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ball_mm: Option<f64>,
-    /// Distance of its lines in the plan, mm; none of a lathe.
+    /// Radius of a flat or a bull-nosed cutter, mm; none of a ball and of a lathe.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius_mm: Option<f64>,
+    /// Radius of its rounded edge, 0 of a flat one, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corner_mm: Option<f64>,
+    /// Distance of its lines or turns in the plan, mm; none of a lathe.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stepover_mm: Option<f64>,
     /// Radius of the tool's nose, mm; none of a mill.

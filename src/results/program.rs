@@ -22,13 +22,13 @@ pub struct ProgramFacts {
     pub rapid_mm: f64,
     /// Time of the cutting moves at their feeds without starts and stops, minutes.
     pub cutting_min: f64,
-    /// Distance from line to line over the face in the plan, mm: that of even lines, else the mean one; on a lathe the mean distance of
-    /// the turns.
+    /// Distance from line to line over the face in the plan, mm: that of even lines, else the mean one; of turns about the axis
+    /// the mean distance.
     pub apart_mm: f64,
-    /// Direction of most lines from X towards Y, degrees; none of a lathe.
+    /// Direction of most lines from X towards Y, degrees; none of a lathe and of turns about the axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
-    /// How much the lines agree in it: 1 where all are parallel; none of a lathe.
+    /// How much the lines agree in it: 1 where all are parallel; none of a lathe and of turns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parallel: Option<f64>,
     /// Facets of the face as cut.

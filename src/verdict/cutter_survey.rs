@@ -8,7 +8,7 @@ use crate::machining::{
 };
 use crate::num::rounding::floor_four_digits;
 use crate::num::{degrees, radians};
-use crate::profile::Profile;
+use crate::profile::{FinishingPath, Profile};
 use crate::results::{
     BestFacts, BudgetFacts, CuttingFault, GougeFacts, MachiningReport, ReachFacts, Reason, SCHEMA,
     StockFacts,
@@ -78,6 +78,19 @@ impl<'a> CutterSurvey<'a> {
         design: &'a Design,
         options: &MachiningOptions,
     ) -> Result<Self, MachiningError> {
+        Self::of_path(profile, design, options, FinishingPath::Lines)
+    }
+
+    /// The same of lines, or of the turns of a spiral, which have no direction.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn of_path(
+        profile: &Profile,
+        design: &'a Design,
+        options: &MachiningOptions,
+        path: FinishingPath,
+    ) -> Result<Self, MachiningError> {
         let mirror = &design.mirror;
         if !profile.is_one_surface() {
             return Err(MachiningError::Panels);
@@ -85,7 +98,7 @@ impl<'a> CutterSurvey<'a> {
         if let Some(tool) = &profile.part.forming {
             return Err(MachiningError::Tool { form: tool.form.name() });
         }
-        let analysis = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());
+        let analysis = analysis_of(design, path);
         let (best, mut raster) = directed(&analysis, options);
         let least_hollow_mm = analysis.least_hollow_mm();
         // But for rounding.
@@ -143,6 +156,15 @@ impl<'a> CutterSurvey<'a> {
         self.found.scallops.as_ref().map_or("the ball fits nowhere".to_owned(), |found| {
             format!("scallops of {:.3} um at most", found.scallop_um.value)
         })
+    }
+}
+
+/// The analysis of a mirror for lines or turns of a cutter.
+pub(crate) fn analysis_of(design: &Design, path: FinishingPath) -> SurfaceAnalysis<'_> {
+    let analysis = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
+    match path {
+        FinishingPath::Lines => analysis,
+        FinishingPath::Spiral => analysis.around_axis(),
     }
 }
 

@@ -76,9 +76,9 @@ impl MilledBlock {
         operation: &Operation,
         [chord_mm, holder_mm]: [f64; 2],
     ) -> ProgramLeft {
-        let Operation { kind, ball_mm, allowance_mm, lengths, .. } = *operation;
-        let shank_mm = lengths.shank_diameter_mm.map_or(ball_mm, |wide| 0.5 * wide);
-        let cutter = HeldCutter { ball_mm, shank_mm, holder_mm: 0.5 * holder_mm };
+        let Operation { kind, cutter, allowance_mm, lengths, .. } = *operation;
+        let shank_mm = lengths.shank_diameter_mm.map_or(cutter.radius_mm, |wide| 0.5 * wide);
+        let cutter = HeldCutter { cutter, shank_mm, holder_mm: 0.5 * holder_mm };
         let moved = self.map.cut(&path.moves, &cutter);
         let met = |kind: StockMeeting, found: MovedInto| CuttingFault::IntoStock {
             meeting: kind,

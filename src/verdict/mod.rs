@@ -2,23 +2,26 @@
 
 mod axis_faults;
 mod bar_on_lathe;
+mod cusp_search;
 mod cutter_survey;
 mod file_check;
 mod milled_block;
 mod plan_edge;
 mod polar_face;
 mod polar_rim;
+mod polar_section;
 mod program_cut;
 mod remedy;
 pub(crate) mod sharpness;
 mod turned_cut;
 mod turned_shape;
+mod turns_face;
 mod vertex_check;
 
 pub(crate) use axis_faults::axis_faults;
 pub(crate) use bar_on_lathe::{BarOnLathe, CutTask, TurnedLeft};
 pub use cutter_survey::MachiningOptions;
-pub(crate) use cutter_survey::{CutterSurvey, directed, stock_corners};
+pub(crate) use cutter_survey::{CutterSurvey, analysis_of, directed, stock_corners};
 pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, HeldTo, expected_rays};
 pub(crate) use milled_block::{MilledBlock, ProgramLeft, room_for_picture, stepover_for_picture};
 pub(crate) use program_cut::ProgramCut;

@@ -1,4 +1,4 @@
-//! A face as a lathe leaves it, on a lattice of circles and azimuths whose places follow the cusps.
+//! A face as a lathe or the turns of a mill leave it, on a lattice of circles and azimuths whose places follow the cusps.
 //!
 //! Between two cusps of one azimuth there are [`ROWS`] rows. A turn farther the cusps have moved from row to row by a whole feed: at
 //! each azimuth the nearest row is moved onto each cusp, and where a cusp goes over to the next row, the facets' diagonal follows it.
@@ -6,10 +6,11 @@
 //! of each azimuth up to it.
 
 use super::polar_rim;
+use super::polar_section::PolarSection;
 use crate::geom::{DVec3, TriMesh};
 use crate::num::{cos, sin};
 use crate::parallel;
-use crate::program::{TurnedSection, TurnedSurface};
+use crate::program::TurnedSurface;
 use std::f64::consts::TAU;
 
 /// Rows from cusp to cusp.
@@ -84,10 +85,17 @@ pub(super) fn facet_estimate(turns: f64, azimuths: f64) -> f64 {
 impl PolarFace {
     /// What `surface` leaves.
     pub(super) fn new(surface: &TurnedSurface, limits: PolarLimits) -> Result<Self, PolarFault> {
+        Self::of_sections(&|share| surface.section(share), limits)
+    }
+
+    /// What is left along the azimuths, each a share of a turn.
+    pub(super) fn of_sections<S: PolarSection>(
+        section: &(impl Fn(f64) -> S + Sync),
+        limits: PolarLimits,
+    ) -> Result<Self, PolarFault> {
         let [inner, mut outer] = limits.radii_mm;
-        let first = surface.section(0.0);
-        let cusps: Vec<f64> =
-            first.cusps().rev().filter(|at| (inner..outer).contains(at)).collect();
+        let cusps = section(0.0).cusps_mm().into_iter().rev();
+        let cusps: Vec<f64> = cusps.filter(|at| (inner..outer).contains(at)).collect();
         let apart_mm = (outer - inner) / cusps.len().max(1) as f64;
         let facets = facet_estimate(cusps.len() as f64, limits.azimuths);
         if !(facets <= limits.most) {
@@ -102,7 +110,7 @@ impl PolarFace {
         let cusps: Vec<f64> = cusps.into_iter().filter(|cusp| *cusp < outer).collect();
         let lattice = PolarLattice::new(rows(&cusps, [inner, outer]), count);
         let spokes = parallel::map(count, 1, |k| {
-            let section = surface.section(k as f64 / count as f64);
+            let section = section(k as f64 / count as f64);
             let beyond = rims.as_ref().map(|rims| [outer, rims[k]]);
             let beyond =
                 beyond.map(|ends| polar_rim::beyond(&section, ends, apart_mm / ROWS as f64));
@@ -185,10 +193,10 @@ impl PolarLattice {
     }
 
     /// The places of one azimuth, of the rows that have one there.
-    fn spoke(&self, section: &TurnedSection, azimuth: usize) -> Vec<Option<SpokePlace>> {
+    fn spoke(&self, section: &impl PolarSection, azimuth: usize) -> Vec<Option<SpokePlace>> {
         let mut moved: Vec<(f64, bool)> = self.rows.iter().map(|&radius| (radius, false)).collect();
         let last = self.rows.len() - 1;
-        for cusp in section.cusps() {
+        for cusp in section.cusps_mm() {
             let below = self.rows.partition_point(|&row| row > cusp);
             let near = [below.saturating_sub(1), below.min(last)];
             let off = |k: usize| (self.rows[k] - cusp).abs();
@@ -205,7 +213,7 @@ impl PolarLattice {
         let place = |(row, &(radius_mm, on_cusp)): (usize, &(f64, bool))| {
             let has_one = azimuth.is_multiple_of(self.strides[row]);
             has_one.then(|| {
-                let cut = section.lowest(radius_mm).map(|place| (place.z_mm, place.step));
+                let cut = section.cut(radius_mm);
                 SpokePlace { radius_mm, cut, on_cusp }
             })
         };

@@ -1,8 +1,8 @@
 //! Facets between the largest circle about the axis within a rim and the rim, which is no circle.
 
+use super::polar_section::PolarSection;
 use crate::geom::{DVec3, TriMesh};
 use crate::num::{cos, sin};
-use crate::program::TurnedSection;
 use std::f64::consts::TAU;
 
 /// Least distance of two places of an azimuth over that of the rows.
@@ -13,13 +13,13 @@ pub(super) type BeyondCircle = Vec<(f64, Option<(f64, usize)>)>;
 
 /// The places of an azimuth beyond a circle up to the rim: cusps, and rows between them that are about so far apart.
 pub(super) fn beyond(
-    section: &TurnedSection,
+    section: &impl PolarSection,
     [circle, rim]: [f64; 2],
     apart_mm: f64,
 ) -> BeyondCircle {
     let close = CLOSE * apart_mm;
     let mut ends = vec![circle];
-    for cusp in section.cusps() {
+    for cusp in section.cusps_mm() {
         if cusp - ends[ends.len() - 1] > close && rim - cusp > close {
             ends.push(cusp);
         }
@@ -31,7 +31,7 @@ pub(super) fn beyond(
         let radius = |k: f64| pair[0] + (pair[1] - pair[0]) * (k / parts);
         places.extend((1..=parts as usize).map(|k| {
             let radius_mm = if k as f64 == parts { pair[1] } else { radius(k as f64) };
-            (radius_mm, section.lowest(radius_mm).map(|place| (place.z_mm, place.step)))
+            (radius_mm, section.cut(radius_mm))
         }));
     }
     places

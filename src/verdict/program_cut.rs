@@ -1,5 +1,7 @@
 //! The face that a program of any making cuts: what its moves leave of the mirror.
 
+use super::cusp_search::CuspSearch;
+use super::turns_face::RoundFace;
 use crate::design::Design;
 use crate::forming::ParallelSurface;
 use crate::geom::{DVec2, DVec3, TriMesh};
@@ -10,7 +12,8 @@ use crate::machining::{
 use crate::mirror::Mirror;
 use crate::num::degrees;
 use crate::parallel;
-use crate::program::{PathCoverage, SweptBall, SweptPlace, ToolMove, ToolPath};
+use crate::profile::FinishingPath;
+use crate::program::{PathCoverage, SweptBall, ToolMove, ToolPath, TurnCoverage};
 use crate::results::{CutDeparture, CuttingFault, ProgramFacts};
 
 /// The most facets of a face.
@@ -22,8 +25,6 @@ const ALONG: f64 = 1.0;
 const PARALLEL: f64 = 0.98;
 /// Most moves of which the lines of contact are searched for.
 const MOST_LINES: usize = 20_000;
-/// Halvings of the interval in which a cusp is searched for.
-const HALVINGS: usize = 24;
 
 /// A face as a program cuts it.
 pub(crate) struct ProgramCut {
@@ -38,9 +39,13 @@ pub(crate) struct ProgramCut {
 }
 
 impl ProgramCut {
-    /// The least distance of lines, mm, whose cut of `mirror` facets can follow, and a little.
+    /// The least distance of lines or turns, mm, whose cut of `mirror` by a ball facets can follow, and a little.
     #[must_use]
-    pub(crate) fn narrowest_mm(mirror: &Mirror) -> f64 {
+    pub(crate) fn narrowest_mm(mirror: &Mirror, path: FinishingPath, ball_mm: f64) -> f64 {
+        let round = RoundFace::new(mirror).filter(|_| path == FinishingPath::Spiral);
+        if let Some(round) = round {
+            return 1.05 * round.narrowest_mm(ball_mm, MOST_FACETS);
+        }
         let raster = BallRaster { ball_mm: 1.0, stepover_mm: 1.0, angle: 0.0 };
         let facets = facet_estimate(&plan_outlines(mirror), &raster, ALONG);
         1.05 * f64::sqrt(facets / MOST_FACETS)
@@ -55,44 +60,26 @@ impl ProgramCut {
         path: &ToolPath,
         ball_mm: f64,
     ) -> Result<Self, CuttingFault> {
-        let outlines = plan_outlines(&design.mirror);
-        let corners = bounding_corners(&outlines);
+        let corners = bounding_corners(&plan_outlines(&design.mirror));
         let lines = contact_lines(&design.mirror, &path.moves, ball_mm);
         let coverage =
             PathCoverage::new(&lines.moves, lines.every, corners).ok_or(CuttingFault::Elsewhere)?;
         let swept = SweptBall::new(&path.moves, ball_mm, corners);
-        let raster = BallRaster { ball_mm, stepover_mm: coverage.apart_mm, angle: coverage.angle };
-        let is_parallel = coverage.parallel >= PARALLEL;
-        let pitch_mm = raster.stepover_mm / ROWS as f64;
-        let along_mm = if is_parallel { ALONG * raster.stepover_mm } else { pitch_mm };
-        let facets = facet_estimate(&outlines, &raster, along_mm);
-        if !(facets <= MOST_FACETS) {
-            let apart_mm = raster.stepover_mm;
-            return Err(CuttingFault::Fine { apart_mm, facets, most: MOST_FACETS });
+        if let Some((mesh, apart_mm)) = cut_by_turns(&design.mirror, &swept, &lines)? {
+            let lines = LineFacts { apart_mm, angle_deg: None, parallel: None };
+            return Ok(Self::of_face(design, path, (lines, &swept), mesh));
         }
-        // Cusps are half-way between lines. With rows beside them errors are off by up to 2.3 % of themselves, else by 1.
-        let row_mm = coverage.line_mm + 0.5 * coverage.apart_mm;
-        let lattice = FaceLattice { raster, along_mm, row_mm };
-        let height = |at: DVec2| Some(swept.lowest(at)?.z_mm);
-        let cusps = CuspSearch { swept: &swept, raster, pitch_mm };
-        let snapping = |_| {
-            let cusps = &cusps;
-            move |x, y| if is_parallel { cusps.snap(x, y) } else { y }
-        };
-        let mesh = face_of_cut(&outlines, lattice, &height, snapping).map_err(|error| {
-            match error {
-                MachiningError::Uncut { at } => CuttingFault::Uncut { at_mm: at.to_array() },
-                // (Nothing else is asked of a lattice.)
-                other => CuttingFault::Face { why: other.to_string() },
-            }
-        })?;
-        Ok(Self::of_face(design, path, (coverage, &swept), mesh))
+        let PathCoverage { apart_mm, angle, parallel, .. } = coverage;
+        let mesh = cut_by_lines(&design.mirror, &swept, coverage)?;
+        let [angle_deg, parallel] = [degrees(angle), parallel].map(Some);
+        let lines = LineFacts { apart_mm, angle_deg, parallel };
+        Ok(Self::of_face(design, path, (lines, &swept), mesh))
     }
 
     fn of_face(
         design: &Design,
         path: &ToolPath,
-        (coverage, swept): (PathCoverage, &SweptBall),
+        (lines, swept): (LineFacts, &SweptBall),
         mesh: TriMesh,
     ) -> Self {
         let mirror = &design.mirror;
@@ -132,9 +119,9 @@ impl ProgramCut {
             cutting_mm,
             rapid_mm,
             cutting_min: path.cutting_min(),
-            apart_mm: coverage.apart_mm,
-            angle_deg: Some(degrees(coverage.angle)),
-            parallel: Some(coverage.parallel),
+            apart_mm: lines.apart_mm,
+            angle_deg: lines.angle_deg,
+            parallel: lines.parallel,
             optical_triangles: mesh.triangles.len(),
             highest: extreme(1.0),
             lowest: extreme(-1.0),
@@ -142,13 +129,70 @@ impl ProgramCut {
         // Facets of a pitch p that do not follow the cusps of lines w apart chord those off: of slopes that are even between
         // -w / 2R and w / 2R a share p / w of the root mean square is lost, an eighth across lines along the lattice's rows, and
         // sqrt(2) / 8 = 0.18 across its diagonals.
-        let warning = (coverage.parallel < PARALLEL).then(|| {
+        let is_crossed = lines.parallel.is_some_and(|parallel| parallel < PARALLEL);
+        let warning = is_crossed.then(|| {
             "the lines of the program run in several directions: facets cut off the cusps between them, and errors may be told \
              up to a fifth too small"
                 .to_owned()
         });
         Self { mesh, facts, faults, warning }
     }
+}
+
+/// How lines lie over the face.
+struct LineFacts {
+    /// Distance from one to the next, mm.
+    apart_mm: f64,
+    /// Direction of most of them, degrees; none of turns about the axis.
+    angle_deg: Option<f64>,
+    /// How much they agree in it; none of turns.
+    parallel: Option<f64>,
+}
+
+/// The cut of turns about the axis of a round mirror, and how far apart they are, mm; none of other lines.
+fn cut_by_turns(
+    mirror: &Mirror,
+    swept: &SweptBall,
+    lines: &ContactLines,
+) -> Result<Option<(TriMesh, f64)>, CuttingFault> {
+    let Some(round) = RoundFace::new(mirror) else { return Ok(None) };
+    let turns = TurnCoverage::new(&lines.moves, lines.every, round.radii_mm());
+    let Some(turns) = turns else { return Ok(None) };
+    let mesh = round.cut(swept, &turns, MOST_FACETS).transpose()?;
+    Ok(mesh.map(|mesh| (mesh, turns.apart_mm)))
+}
+
+/// The cut of lines that cover `mirror` so.
+fn cut_by_lines(
+    mirror: &Mirror,
+    swept: &SweptBall,
+    coverage: PathCoverage,
+) -> Result<TriMesh, CuttingFault> {
+    let outlines = plan_outlines(mirror);
+    let PathCoverage { apart_mm, angle, parallel, .. } = coverage;
+    let raster = BallRaster { ball_mm: swept.radius_mm(), stepover_mm: apart_mm, angle };
+    let is_parallel = parallel >= PARALLEL;
+    let pitch_mm = raster.stepover_mm / ROWS as f64;
+    let along_mm = if is_parallel { ALONG * raster.stepover_mm } else { pitch_mm };
+    let facets = facet_estimate(&outlines, &raster, along_mm);
+    if !(facets <= MOST_FACETS) {
+        return Err(CuttingFault::Fine { apart_mm, facets, most: MOST_FACETS });
+    }
+    // Cusps are half-way between lines. With rows beside them errors are off by up to 2.3 % of themselves, else by 1.
+    let row_mm = coverage.line_mm + 0.5 * coverage.apart_mm;
+    let lattice = FaceLattice { raster, along_mm, row_mm };
+    let height = |at: DVec2| Some(swept.lowest(at)?.z_mm);
+    let ways = [raster.along(), raster.along().perp()];
+    let cusps = CuspSearch { swept, ways, apart_mm, pitch_mm };
+    let snapping = |_| {
+        let cusps = &cusps;
+        move |x, y| if is_parallel { cusps.near(x, y).unwrap_or(y) } else { y }
+    };
+    face_of_cut(&outlines, lattice, &height, snapping).map_err(|error| match error {
+        MachiningError::Uncut { at } => CuttingFault::Uncut { at_mm: at.to_array() },
+        // (Nothing else is asked of a lattice.)
+        other => CuttingFault::Face { why: other.to_string() },
+    })
 }
 
 /// Lines along which a ball touches a mirror.
@@ -172,41 +216,4 @@ fn contact_lines(mirror: &Mirror, moves: &[ToolMove], ball_mm: f64) -> ContactLi
         Some(ToolMove { from: contact(step.from)?, to: contact(step.to)?, ..**step })
     });
     ContactLines { moves: moves.into_iter().flatten().collect(), every }
-}
-
-/// Places in which the cuts of two moves meet, by search.
-struct CuspSearch<'a> {
-    swept: &'a SweptBall,
-    raster: BallRaster,
-    /// From row to row of the lattice, mm.
-    pitch_mm: f64,
-}
-
-impl CuspSearch<'_> {
-    /// y of the cusp within half a row of the place (`x`, `y`), x along the raster's lines; y itself where there is none.
-    fn snap(&self, x: f64, y: f64) -> f64 {
-        let (along, across) = (self.raster.along(), self.raster.along().perp());
-        let at = |y: f64| along * x + across * y;
-        let half = 0.5 * self.pitch_mm;
-        let lowest = |y: f64| self.swept.lowest(at(y));
-        let (Some(before), Some(after)) = (lowest(y - half), lowest(y + half)) else { return y };
-        let rises = |place: &SweptPlace| place.slope.dot(across);
-        // Up to a cusp the cut rises and beyond it falls, by about half a stepover over the radius each.
-        let least = 0.25 * self.raster.stepover_mm / self.raster.ball_mm;
-        if before.step == after.step || !(rises(&before) - rises(&after) > least) {
-            return y;
-        }
-        let [mut low, mut high] = [y - half, y + half];
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let of = |place: &SweptPlace| self.swept.of_step(place.step, at(middle));
-            // Beyond its ball a move cuts nothing.
-            let is_before = match (of(&before), of(&after)) {
-                (Some((a, _)), Some((b, _))) => a < b,
-                (a, _) => a.is_some(),
-            };
-            if is_before { low = middle } else { high = middle }
-        }
-        0.5 * (low + high)
-    }
 }

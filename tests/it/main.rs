@@ -64,6 +64,7 @@ mod shell;
 mod shell_help;
 mod shipped;
 mod single_precision;
+mod spirals;
 mod step;
 mod stress;
 #[cfg(feature = "studio")]

@@ -237,6 +237,44 @@ fn shank_and_holder_stay_clear_of_what_is_left() {
     );
 }
 
+/// Roughed by a cutter: no fault, and no less than nineteen twentieths of the allowance is left.
+fn roughed(text_of: &str, cutter: &str) -> Vec<OutputFile> {
+    let program = "[program]\nball_mm = 3\nstepover_mm = 0.8\nallowance_mm = 0.4\npolish_um = 200";
+    let (report, files) = milled(&parsed(&format!("{text_of}\n{program}\n{cutter}\n")));
+    assert_eq!(cutting_faults(&report), [""; 0], "{cutter}");
+    let left = report.operations[0].left.unwrap();
+    assert!(left.least_um > 0.95 * 400.0, "{cutter}: {left:?}");
+    let left = report.operations[1].left.unwrap();
+    assert!(left.least_um > 0.95 * 400.0 && left.most_um < 1.1 * 400.0, "{cutter}: {left:?}");
+    files
+}
+
+/// In a bowl a bull-nosed cutter leaves its allowance and meets no stock in rapid moves.
+#[test]
+fn a_bull_nosed_cutter_roughs_a_bowl() {
+    let files = roughed(BOWL, "rough_radius_mm = 3\nrough_corner_mm = 1");
+    assert!(
+        text(&files, "roughing.ngc").contains("(BULL-NOSED CUTTER OF 3 MM RADIUS, CORNER 1 MM")
+    );
+}
+
+/// The same of flat and bull-nosed cutters over a dome and a bowl; what finishes them is as after a ball.
+#[test]
+#[ignore = "long: .ci/nightly"]
+fn flat_and_bull_nosed_cutters_rough() {
+    let dome =
+        edited(BOWL, &[("radius_mm = 20", "radius_mm = -20"), ("base_mm = 5", "base_mm = 8")]);
+    for text_of in [BOWL, dome.as_str()] {
+        let ball = roughed(text_of, "rough_ball_mm = 2");
+        for corner in ["0", "0.5"] {
+            let files =
+                roughed(text_of, &format!("rough_radius_mm = 2\nrough_corner_mm = {corner}"));
+            let [after, before] = [&files, &ball].map(|files| text(files, "finishing.ngc"));
+            assert!(after == before, "{corner}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_milled_is_refused_with_what_would() {
     let said = refused(&small("ball_mm = 1.5\nstepover_mm = 0.5\ntravel_mm = [400, 400, 2]"));

@@ -4,8 +4,8 @@ drop cutter on the mirror's mesh finds no place of the tip that cuts into it.
 
 usage: check_programs.py OUT NAME...       of OUT/NAME/program/*.ngc, OUT/NAME/mirror.obj and report.json
 
-Places of the tip are random ones of all along the cutting moves. From each a ball is dropped onto the mirror's facets: a larger one
-about the same centre, which leaves the allowance. The finishing ball must nowhere be deeper than DEEP, and where it comes to rest
+Places of the tip are random ones of all along the cutting moves. From each the cutter is dropped onto the mirror's facets: a larger one
+about the same middle, which leaves the allowance. The finishing ball must nowhere be deeper than DEEP, and where it comes to rest
 inside the mirror, on no rim and no ridge, nowhere higher; chords of the other programs are longer, and levels of roughing touch
 nothing.
 
@@ -62,11 +62,11 @@ class Face:
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         self.edges = edges_of(corners, normals / np.linalg.norm(normals, axis=1)[:, None])
 
-    def rest(self, places, ball):
-        """Z of the tip of a ball at rest over places, where it touches, and the Z of the unit normal there."""
+    def rest(self, places, radius, corner):
+        """Z of the tip of a cutter at rest over places, where it touches, and the Z of the unit normal there."""
         drop = ocl.BatchDropCutter()
         # (opencamlib keeps no cutter alive.)
-        cutter = ocl.BallCutter(2.0 * ball, 200.0)
+        cutter = ocl.BallCutter(2.0 * radius, 200.0) if corner == radius else ocl.BullCutter(2.0 * radius, corner, 200.0)
         drop.setSTL(self.surface)
         drop.setCutter(cutter)
         for x, y, _ in places:
@@ -75,7 +75,7 @@ class Face:
         found = drop.getCLPoints()
         z = np.array([point.z for point in found])
         touched = np.array([[point.getCC().x, point.getCC().y, point.getCC().z] for point in found])
-        return z, touched, (z + ball - touched[:, 2]) / ball
+        return z, touched, (z + corner - touched[:, 2]) / corner
 
     def inside(self, place):
         """Whether a place is on no rim and no ridge."""
@@ -101,9 +101,10 @@ def edges_of(corners, normals):
 
 
 def along(folder, operation):
-    """Random places of the tip along the cutting moves, all as likely."""
+    """Random places of the tip along the cutting moves, all as likely; those straight up or down are to touch nothing."""
     ends, feed = moves(folder / "program" / operation["file"])
     ends = np.array(ends)[feed]
+    ends = ends[(ends[:, 0, :2] != ends[:, 1, :2]).any(axis=1)]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     r = np.random.default_rng(1)
     chosen = r.choice(len(ends), PLACES[operation["operation"]], p=length / length.sum())
@@ -114,7 +115,8 @@ def cut(folder, operation, face, chord_um, is_first):
     """Places of the tip over the mirror against the height at which a ball comes to rest on the mesh."""
     name, asked = operation["operation"], operation["allowance_mm"]
     tips = along(folder, operation)
-    z, touched, lean = face.rest(tips, operation["ball_mm"] + asked)
+    radius = operation.get("ball_mm") or operation["radius_mm"]
+    z, touched, lean = face.rest(tips, radius + asked, operation.get("corner_mm", radius) + asked)
     on = z > OFF
     above = 1e3 * ((tips[:, 2] - asked - z) * lean)[on]
     limit = DEEP + chord_um + ROUGH[name] * asked

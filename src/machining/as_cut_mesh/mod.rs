@@ -8,7 +8,7 @@
 mod outlines;
 mod strips;
 
-pub use outlines::{bounding_corners, plan_outlines};
+pub use outlines::{bounding_corners, plan_outlines, rim_distances};
 
 use super::cusps::{Cusps, straighten};
 use super::{BallRaster, MachiningError, Passes};

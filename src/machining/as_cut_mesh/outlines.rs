@@ -50,6 +50,19 @@ pub fn plan_outlines(mirror: &Mirror) -> Vec<Vec<Polygon>> {
     vec![panel, images]
 }
 
+/// Distances of the inner and of the outer rim of a round `mirror` from the axis in the plan, mm, each the least and the largest: the
+/// inner one is 0 of a disc. None of a mirror with straight sides.
+#[must_use]
+pub fn rim_distances(mirror: &Mirror) -> Option<[[f64; 2]; 2]> {
+    let Outline::Ring { .. } = mirror.outline else { return None };
+    let rims = plan_outlines(mirror).into_iter().next()?;
+    let ends = |rim: &Polygon| {
+        let all = rim.iter().map(|corner| corner.length());
+        all.fold([f64::INFINITY, 0.0], |[least, most], r| [r.min(least), r.max(most)])
+    };
+    Some([rims.get(1).map_or([0.0; 2], ends), ends(rims.first()?)])
+}
+
 /// The smallest rectangle around outlines: its lower left and upper right corner.
 #[must_use]
 pub fn bounding_corners(outlines: &[Vec<Polygon>]) -> [DVec2; 2] {

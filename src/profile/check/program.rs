@@ -11,6 +11,7 @@ use super::super::servo::ServoSpec;
 use super::super::turning::TurnSpec;
 use super::super::values::{Located, number, word};
 use super::program_table::{self, ForeignControl, ProgramTable};
+use super::rough_cutter::LEAST_BALL_MM;
 use super::{servo, turning};
 
 /// `[program]` of a mirror with this layout, if that is known; a mill's usual values where there is none.
@@ -27,7 +28,7 @@ pub(super) fn read(
     let kind = word(reader, &section, "machine", &machines, hint).unwrap_or(MachineKind::Mill);
     kind.refuse_others(reader, &section);
     match kind {
-        MachineKind::Mill => ProgramSpec::Mill(mill(reader, &section)),
+        MachineKind::Mill => ProgramSpec::Mill(mill(reader, &section, layout)),
         MachineKind::Turn => {
             turning::suits(reader, &section, layout);
             let control = turning::control(reader, &section);
@@ -52,12 +53,15 @@ enum MachineKind {
 /// Keys that only a mill has.
 const MILL_KEYS: &[&str] = &[
     "ball_mm",
+    "path",
     "stepover_mm",
     "angle_deg",
     "flute_mm",
     "shank_diameter_mm",
     "stickout_mm",
     "rough_ball_mm",
+    "rough_radius_mm",
+    "rough_corner_mm",
     "rough_flute_mm",
     "rough_shank_diameter_mm",
     "rough_stickout_mm",
@@ -108,7 +112,7 @@ const FOREIGN: &[ForeignControl] = &[(
     "a table of points in X, Z and C is that of a slow tool servo; it goes with machine = \"sts\"",
 )];
 
-fn mill(reader: &mut ProfileReader, section: &Section) -> MillSpec {
+fn mill(reader: &mut ProfileReader, section: &Section, layout: Option<&Layout>) -> MillSpec {
     let usual = MillSpec::default();
     let controls = MillControl::ALL.map(|control| (control.name(), control));
     let hint = "what the mill's control reads";
@@ -119,15 +123,13 @@ fn mill(reader: &mut ProfileReader, section: &Section) -> MillSpec {
         control: control.unwrap_or(usual.control),
         work_offset: table.work_offset().unwrap_or(usual.work_offset),
         stock_mm: table.stock().unwrap_or(usual.stock_mm),
-        finishing: table.finishing(usual.finishing),
+        finishing: table.finishing(usual.finishing, layout),
         roughing: table.roughing(usual.roughing),
         speeds: table.speeds(usual.speeds),
         machine: table.machine(usual.machine),
     }
 }
 
-/// Radius of the smallest ball, mm.
-const LEAST_BALL_MM: f64 = 0.05;
 /// Keys of the lengths of a cutter: teeth, shank, out of the holder.
 const FINISHING_LENGTHS: [&str; 3] = ["flute_mm", "shank_diameter_mm", "stickout_mm"];
 const ROUGHING_LENGTHS: [&str; 3] =
@@ -135,9 +137,10 @@ const ROUGHING_LENGTHS: [&str; 3] =
 
 /// What a mill alone has.
 impl ProgramTable<'_, '_, '_, '_> {
-    fn finishing(&mut self, usual: FinishingSpec) -> FinishingSpec {
+    fn finishing(&mut self, usual: FinishingSpec, layout: Option<&Layout>) -> FinishingSpec {
         let hint = "the radius of the ball, as in ball_mm = 3";
         let ball_mm = self.value("ball_mm", [LEAST_BALL_MM, 1000.0], hint).unwrap_or(usual.ball_mm);
+        let path = self.finishing_path(layout).unwrap_or(usual.path);
         let hint = "from line to line of finishing, as in stepover_mm = 0.3";
         let stepover = self.figure("stepover_mm", [1e-3, 100.0], hint);
         if let Some(Located { value, at }) = stepover.filter(|mm| mm.value >= 2.0 * ball_mm) {
@@ -155,6 +158,7 @@ impl ProgramTable<'_, '_, '_, '_> {
         let stepover_mm = stepover.map(|mm| mm.value);
         FinishingSpec {
             ball_mm,
+            path,
             stepover_mm,
             scallop_um,
             budget_px,
@@ -166,14 +170,17 @@ impl ProgramTable<'_, '_, '_, '_> {
     }
 
     fn roughing(&mut self, usual: RoughingSpec) -> RoughingSpec {
-        let hint = "the radius of the ball that roughs, as in rough_ball_mm = 4";
-        let ball_mm = self.value("rough_ball_mm", [LEAST_BALL_MM, 1000.0], hint);
+        let cutter = self.rough_cutter();
         let (allowance, stepdown_mm) = (self.allowance(), self.stepdown());
         RoughingSpec {
-            ball_mm,
+            cutter,
             allowance_mm: allowance.unwrap_or(usual.allowance_mm),
             stepdown_mm,
-            lengths: self.lengths(ROUGHING_LENGTHS, ball_mm),
+            // Teeth are no shorter than the rounded edge.
+            lengths: self.lengths(
+                ROUGHING_LENGTHS,
+                cutter.map(|cutter| cutter.corner_mm.max(LEAST_BALL_MM)),
+            ),
         }
     }
 

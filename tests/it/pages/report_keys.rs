@@ -19,6 +19,8 @@ part = { width_mm = 20, base_mm = 2 }
 mesh.facet_px = 3
 export.formats = [\"stl\"]
 ";
+/// Programs of a mill with a flat cutter.
+const ROUGHED: &str = "program.rough_radius_mm = 2\n";
 /// Programs of a lathe.
 const LATHE: &str = "program = { machine = \"turn\", nose_mm = 1, feed_mm_rev = 0.2 }\n";
 
@@ -133,7 +135,7 @@ impl Runs {
             ("round", ROUND.into()),
             ("turned", format!("{ROUND}{LATHE}")),
             ("servo", format!("{ROUND}{SERVO}")),
-            ("obstructed", format!("{ROUND}{LEG}")),
+            ("obstructed", format!("{ROUND}{ROUGHED}{LEG}")),
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
             ("panels", PANELS.into()),

@@ -1,0 +1,199 @@
+//! What a cutter leaves along one straight move: over a place of the plan the lowest of all its places.
+//!
+//! Over a place that is s along the move in the plan and q beside it, the cutter whose axis is at t has its lower side at
+//! `z_A + m t + h(sqrt(q^2 + (t - s)^2))`, with the move's slope `m` and the height `h` of the lower side over the tip. As `h` is convex and
+//! does not fall, so is that as a function of t, and its slope changes its sign once.
+
+use super::ToolMove;
+use super::swept_ball::lower_side;
+use crate::geom::{Cutter, DVec2, DVec3};
+
+/// Halvings of the part of a move in which a bull-nosed cutter is lowest: heights are then off by far less than 1e-9 mm.
+const HALVINGS: usize = 40;
+
+/// A straight move of a cutter.
+pub(super) struct CutterMove {
+    cutter: Cutter,
+    /// Places of the tip.
+    tips: [DVec3; 2],
+    /// Places of the middle of a ball.
+    centres: [DVec3; 2],
+    /// Direction in the plan, of unit length, and length there; no direction of a move straight up or down.
+    way: DVec2,
+    length: f64,
+}
+
+impl CutterMove {
+    pub(super) fn new(step: &ToolMove, cutter: Cutter) -> Self {
+        let tips = [step.from, step.to];
+        let centres = tips.map(|tip| tip + DVec3::Z * cutter.radius_mm);
+        let way = (step.to - step.from).truncate();
+        let length = way.length();
+        Self { cutter, tips, centres, way: way.normalize_or_zero(), length }
+    }
+
+    /// A height that the cutter is nowhere below at a place, mm: that of its lowest tip, and beside the flat part the paraboloid of the corner's
+    /// curvature.
+    pub(super) fn least(&self, at: DVec2) -> f64 {
+        let [from, to] = self.tips.map(DVec3::truncate);
+        let lowest = self.tips[0].z.min(self.tips[1].z);
+        let beside = (at.distance(0.5 * (from + to)) - 0.5 * from.distance(to)).max(0.0);
+        let beyond = (beside - self.cutter.flat_mm()).max(0.0);
+        match beyond > 0.0 {
+            true => lowest + beyond * beyond / (2.0 * self.cutter.corner_mm),
+            false => lowest,
+        }
+    }
+
+    /// Z of the lowest cutter over a place; none where none comes.
+    pub(super) fn lowest(&self, at: DVec2) -> Option<f64> {
+        if let Some(ball_mm) = self.cutter.ball_mm() {
+            return lower_side(&self.centres, at, ball_mm).map(|(z, _)| z);
+        }
+        let [from, to] = self.tips;
+        let on = at - from.truncate();
+        if self.length == 0.0 {
+            return Some(from.z.min(to.z) + self.cutter.height(on.length())?);
+        }
+        let (along, beside) = (on.dot(self.way), on.perp_dot(self.way));
+        let square = self.cutter.radius_mm * self.cutter.radius_mm - beside * beside;
+        if !(square > 0.0) {
+            return None;
+        }
+        let half = square.sqrt();
+        let [low, high] = [(along - half).max(0.0), (along + half).min(self.length)];
+        if !(low <= high) {
+            return None;
+        }
+        let slope = (to.z - from.z) / self.length;
+        let t = self.lowest_place([along, beside], slope, [low, high]);
+        let off = f64::sqrt(beside * beside + (t - along) * (t - along));
+        // (At an end of the part the distance is the radius but for rounding.)
+        let side = self.cutter.height(off.min(self.cutter.radius_mm));
+        Some(from.z + slope * t + side.unwrap_or(self.cutter.corner_mm))
+    }
+
+    /// Where along the move, between two places of it, the cutter is lowest over a place.
+    fn lowest_place(&self, [along, beside]: [f64; 2], slope: f64, [low, high]: [f64; 2]) -> f64 {
+        if slope == 0.0 {
+            return along.clamp(low, high);
+        }
+        let Cutter { corner_mm, .. } = self.cutter;
+        if corner_mm == 0.0 {
+            return if slope > 0.0 { low } else { high };
+        }
+        let flat = self.cutter.flat_mm();
+        let falls = |t: f64| {
+            let off = f64::sqrt(beside * beside + (t - along) * (t - along));
+            let beyond = off - flat;
+            if beyond <= 0.0 {
+                return slope < 0.0;
+            }
+            let square = corner_mm * corner_mm - beyond * beyond;
+            // The corner's slope x / sqrt(c^2 - x^2), steeper than any beyond the radius, times that of the distance.
+            let turn = (t - along) / off;
+            if !(square > 0.0) {
+                return turn < 0.0;
+            }
+            slope * square.sqrt() + beyond * turn < 0.0
+        };
+        let [mut low, mut high] = [low, high];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if falls(middle) { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOVES: [[[f64; 3]; 2]; 5] = [
+        [[0.5, -0.3, 2.0], [2.5, 1.0, 2.0]],
+        [[0.5, -0.3, 2.0], [1.5, 0.2, 5.0]],
+        [[0.5, -0.3, 2.0], [-1.0, -0.5, -1.0]],
+        [[0.5, -0.3, 2.0], [0.5, -0.3, 0.5]],
+        [[-4.0, 0.0, 1.0], [4.0, 0.5, 1.4]],
+    ];
+
+    fn passed(k: usize, cutter: Cutter) -> CutterMove {
+        let [from, to] = MOVES[k].map(DVec3::from_array);
+        CutterMove::new(&ToolMove { from, to, feed: Some(1.0), line: 1 }, cutter)
+    }
+
+    /// The least of 4000 cutters along a move is no lower than what is found, and near it, of every corner; nothing is below the bound.
+    #[test]
+    fn the_lowest_cutter_is_that_of_a_dense_row() {
+        for corner_mm in [0.0, 0.3, 1.0, 1.9, 2.0] {
+            let cutter = Cutter { radius_mm: 2.0, corner_mm };
+            for (k, ends) in MOVES.iter().enumerate() {
+                let [from, to] = ends.map(DVec3::from_array);
+                let swept = passed(k, cutter);
+                for n in 0..300 {
+                    let at =
+                        DVec2::new(f64::from(n % 20) * 0.31 - 3.0, f64::from(n / 20) * 0.35 - 2.4);
+                    let one = |i: i32| {
+                        let tip = from.lerp(to, f64::from(i) / 4000.0);
+                        Some(tip.z + cutter.height(at.distance(tip.truncate()))?)
+                    };
+                    let least = (0..=4000).filter_map(one).reduce(f64::min);
+                    match (swept.lowest(at), least) {
+                        (None, None) => {}
+                        (Some(z), Some(least)) => {
+                            assert!(
+                                z <= least + 1e-9 && z > least - 4e-2,
+                                "{corner_mm} {k} {at}: {z} {least}"
+                            );
+                            assert!(swept.least(at) <= z + 1e-12, "{corner_mm} {k} {at}");
+                        }
+                        (Some(z), None) => assert!(z > from.z.min(to.z) - 1e-9, "{corner_mm} {at}"),
+                        (None, Some(_)) => panic!("{corner_mm} {k} {at}"),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Straight down a slope m beside a place by q less than the flat part: the flat end is at the plane `z = m x` lowered to its trailing edge, and the
+    /// corner's envelope is the plane that is moved by the corner's radius: exact along the middle of the move.
+    #[test]
+    fn a_slope_is_cut_to_the_envelope_of_the_corner() {
+        for corner_mm in [0.0, 0.5, 1.5] {
+            for slope in [0.2, 1.0, -0.6] {
+                let cutter = Cutter { radius_mm: 2.0, corner_mm };
+                let (from, to) = (DVec3::ZERO, DVec3::new(10.0, 0.0, 10.0 * slope));
+                let swept =
+                    CutterMove::new(&ToolMove { from, to, feed: Some(1.0), line: 1 }, cutter);
+                let flat = 2.0 - corner_mm;
+                for x in [4.0, 5.3, 6.0] {
+                    // The centre of the corner's circle on the lower side goes along a line; below that, square to it, is the envelope.
+                    let back = if slope > 0.0 { flat } else { -flat };
+                    let exact =
+                        slope * (x - back) + corner_mm - corner_mm * f64::sqrt(1.0 + slope * slope);
+                    let z = swept.lowest(DVec2::new(x, 0.0)).unwrap();
+                    assert!((z - exact).abs() < 1e-9, "{corner_mm} {slope} {x}: {z} {exact}");
+                }
+            }
+        }
+    }
+
+    /// A ball's heights are those of its closed form to the last bit, and a bull-nosed cutter that is all but a ball has them too.
+    #[test]
+    fn a_ball_is_a_cutter_whose_corner_is_its_radius() {
+        let almost = Cutter { radius_mm: 2.0, corner_mm: 2.0 - 1e-13 };
+        for (k, ends) in MOVES.iter().enumerate() {
+            let [ball, near] = [Cutter::ball(2.0), almost].map(|cutter| passed(k, cutter));
+            let centres = ends.map(|tip| DVec3::from_array(tip) + DVec3::Z * 2.0);
+            for n in 0..300 {
+                let at = DVec2::new(f64::from(n % 20) * 0.31 - 3.0, f64::from(n / 20) * 0.35 - 2.4);
+                let exact = lower_side(&centres, at, 2.0).map(|(z, _)| z);
+                assert_eq!(ball.lowest(at), exact);
+                let (Some(z), Some(exact)) = (near.lowest(at), exact) else { continue };
+                // Near the equator a lower side is steep.
+                assert!((z - exact).abs() < 1e-5, "{k} {at}: {z} {exact}");
+            }
+        }
+    }
+}
