@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Asks LinuxCNC about programs that turn a mirror: its interpreter comes to the same places by a feed in a turn, and by words of its own the
-centre of the nose stays its radius off the mirror's mesh.
+centre of the nose stays its radius off the mirror's mesh. Of programs of a slow tool servo it comes to the same X, Z and C.
 
 usage: check_turned.py OUT NAME...       of OUT/NAME/program/*.ngc, OUT/NAME/mirror.obj and report.json
 
@@ -71,6 +71,9 @@ def main(out, *names):
         corners, _ = mirror_of(folder / "mirror.obj")
         for operation in report["operations"]:
             same_places(folder / "program" / operation["file"])
+        # (Mirrors of a slow tool servo are not round.)
+        if "servo" in report["operations"][-1]:
+            continue
         finishing(folder, report["operations"][-1], corners, chord_um, name == names[0])
 
 
