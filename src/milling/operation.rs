@@ -7,7 +7,7 @@ use super::levels::LevelCut;
 use super::motions::TipMove;
 use super::rest_heights::RestHeights;
 use super::rest_lines::rest_lines;
-use super::spiral::Spiral;
+use super::spiral::TipSpiral;
 use super::stock_block::StockBlock;
 use super::surface_lines::SurfaceCut;
 use crate::geom::Cutter;
@@ -207,7 +207,7 @@ impl MillingTask<'_> {
         if self.spec.finishing.path == FinishingPath::Lines {
             return self.lines(ball_mm, stepover_mm, [chord_mm, longest_mm]);
         }
-        let spiral = Spiral { mirror: self.mirror, ball_mm, stepover_mm, chord_mm, longest_mm };
+        let spiral = TipSpiral { mirror: self.mirror, ball_mm, stepover_mm, chord_mm, longest_mm };
         let mut line = spiral.line().map_err(too_many)?;
         line.raise(self.floor_mm);
         Ok(TipLines { across: vec![line], ridge: Vec::new() })

@@ -23,7 +23,7 @@ const STRETCH_RAD: f64 = std::f64::consts::PI / 8.0;
 const LEAD_OUT_MM: f64 = 0.5;
 
 /// How a spiral is taken.
-pub(super) struct Spiral<'a> {
+pub(super) struct TipSpiral<'a> {
     /// The mirror.
     pub mirror: &'a Mirror,
     /// Radius of the ball, and what it leaves, mm.
@@ -36,7 +36,7 @@ pub(super) struct Spiral<'a> {
     pub longest_mm: f64,
 }
 
-impl Spiral<'_> {
+impl TipSpiral<'_> {
     /// The tip's path, with a way up at its end.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ mod tests {
 
     fn spiral(mirror: &Mirror, chord_mm: f64) -> TipLine {
         let (ball_mm, longest_mm) = ([1.5, 0.25], f64::INFINITY);
-        let spiral = Spiral { mirror, ball_mm, stepover_mm: 0.2, chord_mm, longest_mm };
+        let spiral = TipSpiral { mirror, ball_mm, stepover_mm: 0.2, chord_mm, longest_mm };
         spiral.line().unwrap()
     }
 

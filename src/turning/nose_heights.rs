@@ -106,7 +106,7 @@ fn lost(azimuth: f64, radius_mm: f64) -> TurningError {
 /// Distances of a spiral from the axis: it comes nearer by a feed in each turn, the last of which take two, so that it slows down, and ends
 /// with a turn in the axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spiral {
+pub(super) struct NoseSpiral {
     /// Where it begins, mm: a whole number of feeds.
     first_mm: f64,
     feed_mm: f64,
@@ -116,7 +116,7 @@ pub(super) struct Spiral {
 const LAST_TURNS: f64 = 2.0;
 const HELD_TURNS: f64 = 1.0;
 
-impl Spiral {
+impl NoseSpiral {
     /// One that begins no nearer to the axis than `outside_mm`.
     pub(super) fn new(outside_mm: f64, feed_mm: f64) -> Self {
         Self { first_mm: feed_mm * (outside_mm / feed_mm).ceil(), feed_mm }
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn a_spiral_goes_a_feed_in_a_turn_and_slows_down_in_the_axis() {
-        let spiral = Spiral::new(9.95, 0.1);
+        let spiral = NoseSpiral::new(9.95, 0.1);
         assert!((spiral.at(0.0) - 10.0).abs() < 1e-12 && spiral.turns() == 102.0);
         assert!((spiral.at(10.0) - 9.0).abs() < 1e-12 && (spiral.at(99.0) - 0.1).abs() < 1e-12);
         assert!((spiral.at(99.0) - spiral.at(99.01) - 0.001).abs() < 1e-5);

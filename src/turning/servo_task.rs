@@ -5,7 +5,7 @@ use super::bar::Bar;
 use super::cutting_data::{OperationFeeds, stepdown_mm, usual_rpm};
 use super::disc_sections::DiscSections;
 use super::facing::BESIDE_MM;
-use super::nose_heights::{NoseHeights, Spiral};
+use super::nose_heights::{NoseHeights, NoseSpiral};
 use super::operation::{BEYOND, CHORD, FINE_SLOPE, MOST};
 use super::point_table::{AxisLimits, PointTable, ServoLimit, SpiralCut, TableBuilder, bend};
 use super::tool_fit;
@@ -184,7 +184,7 @@ impl ServoTask<'_> {
         let heights = NoseHeights::new(self.sections, reach_mm, per_turn, tangent_mm)?;
         let beside_mm = self.bar.radius_mm + BESIDE_MM + self.spec.nose.radius_mm;
         let outside_mm = beside_mm.max(heights.outside_mm() + tangent_mm);
-        let places = Spiral::new(outside_mm, asked.feed_mm).places(&heights)?;
+        let places = NoseSpiral::new(outside_mm, asked.feed_mm).places(&heights)?;
         Ok((heights, places))
     }
 
