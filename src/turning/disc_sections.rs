@@ -179,10 +179,11 @@ mod tests {
             let (t, rho) = (place.azimuth, place.section.at.x);
             let [c, s] = [cos(t), sin(t)];
             let k = a * c * c + b * s * s;
+            let square = 1.0 + k * k * rho * rho;
             let exact = [
                 top + 0.5 * k * rho * rho,
                 k * rho,
-                k / (1.0 + k * k * rho * rho).powf(1.5),
+                k / (square * square.sqrt()),
                 (b - a) * s * c * rho,
                 rho * (a * s * s + b * c * c),
                 2.0 * (b - a) * s * c * rho,

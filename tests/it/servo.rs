@@ -1,6 +1,7 @@
 //! Programs of a slow tool servo: mirrors of any shape within a disc, what is left of them, what spoils them, and what they are refused for.
 
 use crate::support::builds::{edited, folder, morion, parsed, told};
+use morion::internals::num::{cos, hypot};
 use morion::internals::pipeline::{
     Command, Error, OutputFile, ProgramOptions, Silent, Verify, VerifyOptions,
 };
@@ -65,7 +66,7 @@ fn points(program: &str) -> Vec<[f64; 3]> {
 
 /// Least distance of a nose's centre from a section, by trying places and refining the best by halves.
 fn off_section(centre: [f64; 2], section: impl Fn(f64) -> f64) -> f64 {
-    let off = |x: f64| (x - centre[0]).hypot(section(x) - centre[1]);
+    let off = |x: f64| hypot(x - centre[0], section(x) - centre[1]);
     let (mut best, mut step) = (centre[0].clamp(-RADIUS_MM, RADIUS_MM), 0.05);
     for k in -40..=40 {
         let x = (centre[0] + 0.05 * f64::from(k)).clamp(-RADIUS_MM, RADIUS_MM);
@@ -99,7 +100,7 @@ fn the_nose_is_its_radius_off_the_section_at_each_point() {
         assert!((pair[1][2] - pair[0][2] - (all[1][2] - all[0][2])).abs() < 1e-9);
         for share in [0.0, 0.5] {
             let [x, z, c] = std::array::from_fn(|k| pair[0][k] + share * (pair[1][k] - pair[0][k]));
-            let cosine = (TAU * c / 180.0).cos();
+            let cosine = cos(TAU * c / 180.0);
             let centre = [x + 1.5, z + 1.5];
             let off = off_section(centre, |rho| bottom + SADDLE_C * rho * rho * cosine) - 1.5;
             assert!(off > -1.01e-3, "{x} {z} {c}: {off}");
@@ -187,9 +188,10 @@ fn cusps_are_those_of_the_closed_form_over_a_sweep_of_feeds() {
             let more = format!("polish_um = 50\nchord_um = {chord_um}\nclearance_deg = 40\n");
             let facts = cut(&format!("{text}\n{more}")).0.program.unwrap();
             let [x, y, _] = facts.highest.at_mm;
-            let rho = x.hypot(y);
-            let stretch = 1.0 + (a * x / rho - 2.0 * b * rho).powi(2);
-            let bulge = 2.0 * b / stretch.powf(1.5);
+            let rho = hypot(x, y);
+            let slope = a * x / rho - 2.0 * b * rho;
+            let stretch = 1.0 + slope * slope;
+            let bulge = 2.0 * b / (stretch * stretch.sqrt());
             let cusp_um =
                 1e3 * feed_mm * feed_mm * stretch / (8.0 * nose_mm * (1.0 + nose_mm * bulge));
             let off = facts.highest.off_um - cusp_um;
