@@ -1,6 +1,9 @@
 //! What programs of lathes and slow tool servos have in common: the feed of finishing, the report, and the bar as they are read back.
 
-use super::made_face::PagePictures;
+use super::Stage;
+use super::made_face::{MadeFace, PagePictures, noted};
+use super::program_travel::travelled;
+use super::run::Run;
 use crate::design::Design;
 use crate::machining::SurfaceAnalysis;
 use crate::milling::{OperationKind, Speeds};
@@ -14,7 +17,7 @@ use crate::results::{
 };
 use crate::turning::{Bar, ServoLimit, TurningError, usual_feed_mm};
 use crate::verdict::{
-    self, BarOnLathe, CutTask, TurnedLeft, TurnedShape, axis_faults, room_for_picture,
+    self, BarOnLathe, CutTask, TurnedLeft, TurnedShape, axis_faults, room_for_picture, turned_cut,
 };
 use std::f64::consts::PI;
 
@@ -121,10 +124,10 @@ pub(super) struct WrittenOperation {
 
 /// The bar in the course of its programs, as they are read back.
 pub(super) struct Lathe {
-    pub bar: BarOnLathe,
+    bar: BarOnLathe,
     /// The programs' moves, in their order; none of one that cannot be read.
-    pub read: Vec<Option<TurningPath>>,
-    pub pictures: PagePictures,
+    read: Vec<Option<TurningPath>>,
+    pictures: PagePictures,
 }
 
 impl Lathe {
@@ -166,6 +169,25 @@ impl Lathe {
         self.pictures.speeds_mm_min.push(time.speeds_mm_min);
         self.read.push(Some(path));
     }
+
+    /// The report with what all programs travel, the face that the last of them leaves, and pictures.
+    pub(super) fn finished(
+        self,
+        run: &mut Run,
+        mut report: ProgramReport,
+        (design, shape): (&Design, &TurnedShape),
+        (spec, top_mm): (&TurnSpec, f64),
+    ) -> Result<(ProgramReport, Option<MadeFace>, PagePictures), TurningError> {
+        let moves = self.read.iter().flatten().flat_map(|path| &path.tool.moves);
+        let [x, z] = spec.machine.travel_mm.unwrap_or([f64::INFINITY; 2]);
+        travelled(&mut report, moves, top_mm, [x, f64::INFINITY, z])?;
+        let nose_mm = spec.nose.radius_mm;
+        let face = self.read.last().and_then(Option::as_ref).map(|path| MadeFace {
+            cut: run.timer.always(Stage::Cut, || noted(turned_cut(design, shape, path, nose_mm))),
+            words: format!("as turned, nose {nose_mm}"),
+        });
+        Ok((report, face, self.pictures))
+    }
 }
 
 /// What is told of an operation but for what it leaves.
@@ -181,14 +203,8 @@ fn facts(
         None => feed_mm_rev * spindle_rpm,
     };
     let rates = path.axis_rates();
-    let [cutting_mm, rapid_mm] = path.tool.lengths_mm();
+    let speeds = Speeds { spindle_rpm, feed_mm_min, entry_feed_mm_min: feed_mm_min };
     OperationFacts {
-        operation: operation.kind,
-        file,
-        ball_mm: None,
-        radius_mm: None,
-        corner_mm: None,
-        stepover_mm: None,
         nose_mm: Some(operation.nose_mm),
         feed_mm_rev: Some(feed_mm_rev),
         servo: operation.servo.map(|(points_rev, limited_by)| ServoFacts {
@@ -197,20 +213,12 @@ fn facts(
             speed_mm_min: rates.speed.most,
             limited_by,
         }),
-        levels: operation.levels,
-        allowance_mm: operation.allowance_mm,
-        speeds: Speeds { spindle_rpm, feed_mm_min, entry_feed_mm_min: feed_mm_min },
-        lines: path.tool.lines,
-        moves: path.tool.moves.len(),
-        cutting_mm,
-        rapid_mm,
-        machine_min: time.minutes(),
-        at_feed_min: time.at_feed_min,
-        changing_min: time.changing_min,
-        rapid_min: time.rapid_min,
-        left: None,
-        flute: None,
-        stickout: None,
+        ..OperationFacts::of_path(
+            (operation.kind, file),
+            (operation.levels, operation.allowance_mm, speeds),
+            &path.tool,
+            time,
+        )
     }
 }
 

@@ -9,7 +9,7 @@ use crate::machining::BallRaster;
 use crate::milling::{Header, MillingError, MillingTask, Operation, StockBlock, program_text};
 use crate::num::rounding::floor_four_digits;
 use crate::profile::{CutterLengths, FinishingPath, FinishingSpec, MillSpec, Profile};
-use crate::program::{MachineLimits, MachineTime, ToolPath};
+use crate::program::{MachineLimits, ToolPath};
 use crate::report::LeftPicture;
 use crate::results::{FileFacts, FileFault, OperationFacts, ProgramReport, Reason, SCHEMA};
 use crate::verdict::{
@@ -272,35 +272,22 @@ impl Shop {
             self.block.cut(&path, operation, figures);
         let faults = faults.into_iter().map(Reason::from);
         report.reasons.extend(faults.map(|fault| fault.of_file(&file)));
-        let [cutting_mm, rapid_mm] = path.lengths_mm();
         let time = self.limits.time(&path.moves);
-        let machine_min = time.minutes();
-        let MachineTime { at_feed_min, changing_min, rapid_min, speeds_mm_min } = time;
-        report.machine_min += machine_min;
+        report.machine_min += time.minutes();
         report.operations.push(OperationFacts {
-            operation: kind,
-            file,
             ball_mm: cutter.ball_mm(),
             radius_mm: other.map(|cutter| cutter.radius_mm),
             corner_mm: other.map(|cutter| cutter.corner_mm),
             stepover_mm: Some(operation.stepover_mm),
-            nose_mm: None,
-            feed_mm_rev: None,
-            servo: None,
-            levels: operation.levels,
-            allowance_mm,
-            speeds: operation.speeds,
-            lines: path.lines,
-            moves: path.moves.len(),
-            cutting_mm,
-            rapid_mm,
-            machine_min,
-            at_feed_min,
-            changing_min,
-            rapid_min,
             left,
             flute,
             stickout,
+            ..OperationFacts::of_path(
+                (kind, file),
+                (operation.levels, allowance_mm, operation.speeds),
+                &path,
+                &time,
+            )
         });
         let (left_mm, size, pitch_mm) = self.block.map();
         // Lines that the grid cannot show leave a pattern of its own.
@@ -308,7 +295,7 @@ impl Shop {
             let map = ProgramReport::left_map(&left_mm, (size, pitch_mm), kind.name());
             self.left.push((kind.name().to_owned(), LeftPicture::Map(map)));
         }
-        self.speeds_mm_min.push(speeds_mm_min);
+        self.speeds_mm_min.push(time.speeds_mm_min);
         self.read.push(Some(path));
     }
 }

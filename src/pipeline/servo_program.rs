@@ -1,20 +1,18 @@
 //! Programs that cut a profile's mirror by a slow tool servo, read back and cut.
 
 use super::lathe_shop::{Lathe, WrittenOperation, begun, finishing_feed};
-use super::made_face::{MadeFace, PagePictures, noted};
-use super::program_travel::travelled;
+use super::made_face::{MadeFace, PagePictures};
 use super::run::Run;
 use super::turn_program::refused;
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::geom::Contour;
 use crate::profile::{Profile, ServoControl, ServoSpec, TurnSpec};
 use crate::program::{ProgramFault, TurningPath};
 use crate::results::{FileFacts, ProgramReport};
 use crate::turning::{
     Bar, DiscSections, ServoHeader, ServoOperation, ServoTask, TurningError, servo_program_text,
 };
-use crate::verdict::{BarOnLathe, TurnedShape, turned_cut};
+use crate::verdict::{BarOnLathe, TurnedShape};
 
 /// Writes the programs, reads them back and turns the bar with them; the report so far, the face that finishing leaves, and pictures.
 ///
@@ -56,24 +54,13 @@ pub(super) fn servo_cut(
             ((), operation.kind.name().to_owned())
         });
     }
-    let moves = lathe.read.iter().flatten().flat_map(|path| &path.tool.moves);
-    let [x, z] = spec.machine.travel_mm.unwrap_or([f64::INFINITY; 2]);
-    travelled(&mut report, moves, task.bar.top_mm, [x, f64::INFINITY, z])
-        .map_err(|why| refused(why.into()))?;
-    let face = lathe.read.last().and_then(Option::as_ref).map(|path| MadeFace {
-        cut: run.timer.always(Stage::Cut, || noted(turned_cut(design, &shape, path, nose_mm))),
-        words: format!("as turned, nose {nose_mm}"),
-    });
-    Ok((report, face, lathe.pictures))
+    lathe.finished(run, report, (design, &shape), (spec, task.bar.top_mm)).map_err(refused)
 }
 
-/// The sections of a part that is a disc.
+/// The sections of a part that is no tool for forming.
 fn checked<'a>(profile: &Profile, design: &'a Design) -> Result<DiscSections<'a>, TurningError> {
     if let Some(tool) = &profile.part.forming {
         return Err(TurningError::Formed { form: tool.form.name() });
-    }
-    if let Some(Contour::Rect { .. }) = design.border.as_ref().map(|border| border.contour) {
-        return Err(TurningError::NoDisc { what: "the flat rim around the mirror is a rectangle" });
     }
     DiscSections::new(&design.mirror)
 }
@@ -88,6 +75,8 @@ fn task<'a>(
     let bounds = design.plan_bounds();
     let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
     let rim = sections.most(|place| place.section.at.x);
+    let contour = design.border.as_ref().map(|border| border.contour.polygon());
+    let around = contour.iter().flatten().map(|corner| corner.length()).fold(rim, f64::max);
     let highest = sections.most(|place| place.section.at.y);
     let border = design.border.as_ref();
     ServoTask {
@@ -95,7 +84,7 @@ fn task<'a>(
         spec,
         servo,
         feed_mm,
-        bar: Bar { radius_mm: reach.max(rim) + spec.stock_mm, top_mm: highest + spec.stock_mm },
+        bar: Bar { radius_mm: reach.max(around) + spec.stock_mm, top_mm: highest + spec.stock_mm },
         floor_mm: border.map_or(0.0, |border| border.top_mm),
         has_rim: border.is_some(),
     }

@@ -1,8 +1,7 @@
 //! Programs that turn a profile's mirror, read back and cut.
 
 use super::lathe_shop::{Lathe, WrittenOperation, begun, finishing_feed};
-use super::made_face::{MadeFace, PagePictures, noted};
-use super::program_travel::travelled;
+use super::made_face::{MadeFace, PagePictures};
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
@@ -13,7 +12,7 @@ use crate::results::{FileFacts, ProgramReport};
 use crate::turning::{
     Bar, LatheHeader, Meridian, TurnedOperation, TurningError, TurningTask, lathe_program_text,
 };
-use crate::verdict::{BarOnLathe, TurnedShape, turned_cut};
+use crate::verdict::{BarOnLathe, TurnedShape};
 
 /// The command's error of a mirror that cannot be turned so.
 pub(super) fn refused(profile: &Profile, source: TurningError) -> Error {
@@ -60,15 +59,7 @@ pub(super) fn turned(
             ((), operation.kind.name().to_owned())
         });
     }
-    let moves = lathe.read.iter().flatten().flat_map(|path| &path.tool.moves);
-    let [x, z] = spec.machine.travel_mm.unwrap_or([f64::INFINITY; 2]);
-    travelled(&mut report, moves, task.bar.top_mm, [x, f64::INFINITY, z])
-        .map_err(|why| refused(why.into()))?;
-    let face = lathe.read.last().and_then(Option::as_ref).map(|path| MadeFace {
-        cut: run.timer.always(Stage::Cut, || noted(turned_cut(design, &shape, path, nose_mm))),
-        words: format!("as turned, nose {nose_mm}"),
-    });
-    Ok((report, face, lathe.pictures))
+    lathe.finished(run, report, (design, &shape), (spec, task.bar.top_mm)).map_err(refused)
 }
 
 /// The section of a part that is round.

@@ -144,7 +144,7 @@ impl TableState {
         }
         if *self.grows.get_or_insert(to_c > c) != (to_c > c) {
             return Err(format!(
-                "C turns back from {c} to {to_c} degrees, but a tool cuts in one direction"
+                "C turns back from {c} to {to_c} degrees, but a tool cuts in one direction; C goes on beyond 360 degrees"
             ));
         }
         let turn = SpindleTurn {
@@ -200,7 +200,7 @@ mod tests {
             ("11 5 inf", "line 4: \"inf\" is no number"),
             (
                 "11 5 5",
-                "line 4: C turns back from 10 to 5 degrees, but a tool cuts in one direction",
+                "line 4: C turns back from 10 to 5 degrees, but a tool cuts in one direction; C goes on beyond 360 degrees",
             ),
             ("11 5 10", "line 4: C stays at 10 degrees, but it turns evenly"),
             ("9999999 5 20", "line 4: the point is beyond any machine"),

@@ -256,14 +256,14 @@ impl ServoFacts {
 }
 
 impl OperationFacts {
-    /// The tool, the levels, what is between its lines, and the feed.
+    /// The tool, the levels, the stepover, and the feed.
     fn tool_words(&self, levels: &str) -> String {
         let Self { stepover_mm, nose_mm, feed_mm_rev, .. } = self;
         let cutter = self.cutter().zip(*stepover_mm).map(|(cutter, stepover_mm)| {
             let apart = three_digits(stepover_mm);
             let feed = self.speeds.feed_mm_min;
             let cutter = cutter.words();
-            format!("{cutter}, {levels}lines {apart} mm apart, {feed} mm/min")
+            format!("{cutter}, {levels}stepover {apart} mm, {feed} mm/min")
         });
         let nose = nose_mm.zip(*feed_mm_rev).map(|(nose_mm, feed_mm)| {
             format!("nose of {nose_mm} mm radius, {levels}{feed_mm} mm in a turn")

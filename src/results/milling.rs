@@ -4,6 +4,7 @@ use super::{AsCutFacts, FileFacts, ProfileId, ProgramFacts, Reason, StockFacts, 
 use crate::milling::{OperationKind, Speeds};
 use crate::num::stats::{Summary, or_null};
 use crate::profile::{AcceptanceLimits, ProgramControl, StockMaterial};
+use crate::program::{MachineTime, ToolPath};
 use crate::trace::FrameFill;
 use crate::turning::ServoLimit;
 use serde::Serialize;
@@ -118,6 +119,44 @@ pub struct OperationFacts {
     pub flute: Option<LengthFacts>,
     /// Length of the cutter out of its holder; none where nothing is in the way of that.
     pub stickout: Option<LengthFacts>,
+}
+
+impl OperationFacts {
+    /// What a program tells of itself as it was read back, and the time that it takes: nothing yet of its tool and of what it leaves.
+    #[must_use]
+    pub fn of_path(
+        (operation, file): (OperationKind, String),
+        (levels, allowance_mm, speeds): (usize, f64, Speeds),
+        path: &ToolPath,
+        time: &MachineTime,
+    ) -> Self {
+        let [cutting_mm, rapid_mm] = path.lengths_mm();
+        Self {
+            operation,
+            file,
+            ball_mm: None,
+            radius_mm: None,
+            corner_mm: None,
+            stepover_mm: None,
+            nose_mm: None,
+            feed_mm_rev: None,
+            servo: None,
+            levels,
+            allowance_mm,
+            speeds,
+            lines: path.lines,
+            moves: path.moves.len(),
+            cutting_mm,
+            rapid_mm,
+            machine_min: time.minutes(),
+            at_feed_min: time.at_feed_min,
+            changing_min: time.changing_min,
+            rapid_min: time.rapid_min,
+            left: None,
+            flute: None,
+            stickout: None,
+        }
+    }
 }
 
 /// What the axes of a slow tool servo do in a program, as it was read back.

@@ -36,7 +36,7 @@ impl RoundFace {
     }
 
     /// The surface beside the paraboloid by `offset_mm`: its section's places are (r + d r / (80 w), -r^2 / 160 + d / w) with
-    /// w^2 = 1 + (r / 80)^2. Its cap is integrated by Simpson's rule, as a solid of revolution.
+    /// w^2 = 1 + (r / 80)^2. Its cap is that of frustums of two widths, extrapolated.
     fn beside_paraboloid(offset_mm: f64) -> Self {
         let section = |r: f64| {
             let w = f64::sqrt(1.0 + r * r / 6400.0);
@@ -47,12 +47,10 @@ impl RoundFace {
         let at = |k: usize| section(30.0 * k as f64 / n as f64);
         let mut cap_mm3 = 0.0;
         for k in (0..n).step_by(2) {
-            // Over r, the plan's radius squared is smooth: the cap is the integral of pi R^2 by height.
             let [a, b, c] = [k, k + 1, k + 2].map(at);
             let slice = |p: [f64; 2], q: [f64; 2]| {
                 PI / 3.0 * (p[0] * p[0] + p[0] * q[0] + q[0] * q[0]) * (p[1] - q[1])
             };
-            // Frustums of two widths, extrapolated.
             let fine = slice(a, b) + slice(b, c);
             cap_mm3 += fine + (fine - slice(a, c)) / 3.0;
         }
