@@ -1,9 +1,9 @@
-//! The sections of a disc of any shape with half-planes through the axis, at each azimuth another.
+//! The sections of a mirror that is not round with half-planes through the axis, at each azimuth another.
 
 use super::TurningError;
 use super::meridian::MeridianPlace;
 use crate::geom::{DVec2, Outline};
-use crate::mirror::{LocalSurface, Mirror};
+use crate::mirror::{LocalSurface, Mirror, Surface};
 use crate::num::{atan2, cos, sin};
 use crate::parallel;
 use std::f64::consts::{PI, TAU};
@@ -11,17 +11,23 @@ use std::f64::consts::{PI, TAU};
 /// Azimuths and places along the radius at which a mirror is looked at for what is steepest, most hollow and most bent.
 const AZIMUTHS: usize = 180;
 const RADII: usize = 48;
-/// Halvings, at most, of what the azimuth of a place of the rim is off: each step at least halves it.
-const STEPS: usize = 50;
+/// Steps, at most, to a place of the rim: every second at least halves what is left of its azimuth, or of an interval around it.
+const STEPS: usize = 100;
+/// What is left of the azimuth, radians, at which they end.
+const EXACT: f64 = 1e-14;
 /// Distance from the axis, mm, within which places are taken for those so far from it: a nanometre, where all directions are told apart.
 const NEAR_AXIS_MM: f64 = 1e-6;
 
 /// A disc that a tool goes around, on whose face the axis is.
+///
+/// A rectangle is cut as the disc around it: beside the rectangle the tool follows the mirror's extension.
 #[derive(Debug, Clone)]
 pub struct DiscSections<'a> {
     mirror: &'a Mirror,
-    /// q of the rim from the middle of the chart.
-    rim: f64,
+    /// Azimuths of the corners of the rim, radians; none of a disc.
+    corners: Vec<f64>,
+    /// Radius of the disc around a rectangle, mm; none of a disc.
+    around_mm: Option<f64>,
     /// Places all over the disc.
     places: Vec<DiscPlace>,
 }
@@ -56,27 +62,53 @@ impl<'a> DiscSections<'a> {
     /// [`TurningError::NoDisc`].
     pub fn new(mirror: &'a Mirror) -> Result<Self, TurningError> {
         let refused = |what| Err(TurningError::NoDisc { what });
-        let Outline::Ring { inner, outer } = mirror.outline else {
-            return refused("the mirror's outline is a rectangle");
-        };
-        if inner > 0.0 {
-            return refused("the mirror has a flat land in its middle");
+        let mut sections =
+            Self { mirror, corners: Vec::new(), around_mm: None, places: Vec::new() };
+        match mirror.outline {
+            Outline::Ring { inner, .. } if inner > 0.0 => {
+                return refused("the mirror has a flat land in its middle");
+            }
+            Outline::Ring { .. } => {}
+            Outline::Rect(rect) => {
+                if mirror.folded || matches!(mirror.surface, Surface::Panels(_)) {
+                    return refused("the mirror is of several panels");
+                }
+                let [min, max] = [rect.min, rect.max];
+                let corners = [max, DVec2::new(min.x, max.y), min, DVec2::new(max.x, min.y)];
+                let corners = corners.map(|q| mirror.local_surface(q).at.truncate());
+                sections.corners = corners.map(|xy| atan2(xy.y, xy.x).rem_euclid(TAU)).into();
+            }
         }
-        let mut sections = Self { mirror, rim: outer, places: Vec::new() };
         let rims: Vec<Option<MeridianPlace>> =
             parallel::map(AZIMUTHS, 1, |k| sections.rim(azimuth(k)));
-        let Some(rims) = rims.into_iter().collect::<Option<Vec<_>>>() else {
+        let Some(mut rims) = rims.into_iter().collect::<Option<Vec<_>>>() else {
             return refused("the mirror does not go all around the axis");
         };
+        if !sections.corners.is_empty() {
+            rims.extend(sections.corners.iter().filter_map(|&corner| sections.rim(corner)));
+            sections.around_mm = rims.iter().map(|rim| rim.at.x).reduce(f64::max);
+        }
         let spokes = parallel::map(AZIMUTHS, 1, |k| {
-            let radius = |j: usize| rims[k].at.x * (j as f64 + 1.0) / RADII as f64;
+            let end = sections.around_mm.unwrap_or(rims[k].at.x);
+            let radius = |j: usize| end * (j as f64 + 1.0) / RADII as f64;
             (0..RADII).map(|j| sections.place(azimuth(k), radius(j))).collect::<Option<Vec<_>>>()
         });
         match spokes.into_iter().collect::<Option<Vec<_>>>() {
             Some(spokes) => sections.places = spokes.concat(),
+            None if sections.around_mm.is_some() => {
+                return refused(
+                    "beside the mirror, within the disc around it, its extension folds over",
+                );
+            }
             None => return refused("the mirror hides parts of itself from above"),
         }
         Ok(sections)
+    }
+
+    /// Azimuths of the corners of the rim, radians, 0 to a turn; none of a disc.
+    #[must_use]
+    pub fn corners(&self) -> &[f64] {
+        &self.corners
     }
 
     /// Places all over the disc, rim included.
@@ -112,26 +144,64 @@ impl<'a> DiscSections<'a> {
         self.place(azimuth, radius_mm).map(|place| place.section)
     }
 
+    /// Where the tool leaves the section at an azimuth, radians: on the rim, or on the circle around a rectangle; none where there is no
+    /// such place.
+    #[must_use]
+    pub fn edge(&self, azimuth: f64) -> Option<MeridianPlace> {
+        match self.around_mm {
+            Some(around_mm) => self.at(azimuth, around_mm),
+            None => self.rim(azimuth),
+        }
+    }
+
     /// The rim at an azimuth, radians; none where it is on the wrong side of the axis.
     #[must_use]
     pub fn rim(&self, azimuth: f64) -> Option<MeridianPlace> {
         // Where the chart's middle is in the axis, its azimuths are those of the plan.
-        let mut chart = azimuth;
-        let mut local = self.mirror.local_surface(self.rim * DVec2::new(cos(chart), sin(chart)));
+        let (mut chart, mut before) = (azimuth, f64::INFINITY);
+        // Azimuths of the chart on both sides of the one that is looked for.
+        let mut sides = [None, None];
+        let mut local = self.on_rim(chart);
         for _ in 0..STEPS {
             let plan = atan2(local.at.y, local.at.x);
             let off = (azimuth - plan + PI).rem_euclid(TAU) - PI;
-            if off.abs() < 1e-14 {
+            if off.abs() < EXACT {
                 break;
             }
-            chart += off;
-            local = self.mirror.local_surface(self.rim * DVec2::new(cos(chart), sin(chart)));
+            sides[usize::from(off < 0.0)] = Some(chart);
+            chart = match sides {
+                [Some(low), Some(high)] if off.abs() > 0.5 * before => 0.5 * (low + high),
+                _ => chart + off,
+            };
+            before = off.abs();
+            local = self.on_rim(chart);
         }
         let out = DVec2::new(cos(azimuth), sin(azimuth));
         let radius_mm = local.at.truncate().dot(out);
         let beside = local.at.truncate().perp_dot(out).abs();
         (radius_mm > 0.0 && beside < 1e-9 * radius_mm)
             .then(|| turned(&local, azimuth, out, radius_mm).section)
+    }
+
+    /// The place of the rim towards an azimuth of the chart from the outline's middle, radians.
+    fn on_rim(&self, chart: f64) -> LocalSurface {
+        let way = DVec2::new(cos(chart), sin(chart));
+        let q = match self.mirror.outline {
+            Outline::Ring { outer, .. } => outer * way,
+            Outline::Rect(rect) => {
+                let half = 0.5 * rect.size();
+                let [x, y] = [half.x / way.x.abs(), half.y / way.y.abs()];
+                let corner = half.copysign(way);
+                // On the side that the way meets one coordinate is the side's, to the last bit.
+                rect.centre()
+                    + if x < y {
+                        DVec2::new(corner.x, x * way.y)
+                    } else {
+                        DVec2::new(y * way.x, corner.y)
+                    }
+            }
+        };
+        self.mirror.local_surface(q)
     }
 }
 
@@ -164,7 +234,8 @@ fn turned(local: &LocalSurface, azimuth: f64, out: DVec2, radius_mm: f64) -> Dis
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mirror::fixtures::quadric;
+    use crate::geom::Rect;
+    use crate::mirror::fixtures::{quadric, roof};
 
     /// Of the paraboloid of two curvatures over a disc the derivatives are those of its closed form z = a x^2 / 2 + b y^2 / 2.
     #[test]
@@ -207,5 +278,42 @@ mod tests {
         // On the other side of the axis slopes have the other sign.
         let [here, there] = [3.0, -3.0].map(|rho| disc.at(0.4, rho).unwrap());
         assert!((here.at.y - there.at.y).abs() < 1e-12 && (here.slope + there.slope).abs() < 1e-12);
+    }
+
+    /// The rim of a rectangle is where its sides are, the middle of the chart in the axis or not; beside it the disc around it goes on.
+    #[test]
+    fn a_rectangle_has_its_sides_and_the_disc_around_it() {
+        for middle in [DVec2::ZERO, DVec2::new(1.5, -0.7)] {
+            let half = DVec2::new(6.0, 4.0);
+            let mut mirror = quadric([0.004, 0.0, -0.004], 0.0);
+            mirror.outline = Outline::Rect(Rect { min: middle - half, max: middle + half });
+            let disc = DiscSections::new(&mirror).unwrap();
+            let side = |out: f64, low: f64, high: f64| {
+                if out == 0.0 { f64::INFINITY } else { (high / out).max(low / out) }
+            };
+            let [min, max] = [middle - half, middle + half];
+            for k in 0..720 {
+                let t = TAU * k as f64 / 720.0;
+                let [c, s] = [cos(t), sin(t)];
+                let exact = side(c, min.x, max.x).min(side(s, min.y, max.y));
+                let found = disc.rim(t).unwrap().at.x;
+                assert!((found - exact).abs() < 1e-11 * exact, "{middle} {t}: {found} {exact}");
+            }
+            let around = [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)];
+            let around = around.map(|corner| corner.length()).into_iter().fold(0.0, f64::max);
+            assert!((disc.edge(0.4).unwrap().at.x - around).abs() < 1e-9);
+            assert!((disc.most(|place| place.section.at.x) - around).abs() < 1e-9);
+            let corner = disc.rim(disc.corners()[0]).unwrap().at.x;
+            assert!((corner - max.length()).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn two_panels_and_a_rectangle_beside_the_axis_are_refused() {
+        let said = |mirror: &Mirror| DiscSections::new(mirror).unwrap_err().to_string();
+        assert!(said(&roof(0.1)).contains("of several panels"));
+        let mut beside = quadric([0.004, 0.0, -0.004], 0.0);
+        beside.outline = Outline::Rect(Rect { min: DVec2::ONE, max: DVec2::splat(3.0) });
+        assert!(said(&beside).contains("does not go all around the axis"));
     }
 }

@@ -12,7 +12,8 @@
 //!   **Semi-finishing** and **finishing** follow the path from the rim to the axis, with a third of the allowance and without.
 //! - The **feed** is what the tool goes in one turn of the spindle, along its path.
 //! - A **slow tool servo** is a lathe whose spindle is an axis, C: at each azimuth the nose has another height, so that the mirror need
-//!   not be round. The section at that azimuth takes the place of the meridian; X goes inwards evenly, and Z follows.
+//!   not be round. The section at that azimuth takes the place of the meridian; X goes inwards evenly, and Z follows. A rectangle is cut as
+//!   the disc around it.
 //!
 //! What is written is proven elsewhere: a reader of its own reads the programs, turns the bar and traces what they leave.
 
@@ -54,9 +55,9 @@ pub enum TurningError {
         /// What is not, and how.
         what: &'static str,
     },
-    /// It is no disc that a tool can go around.
+    /// It is no disc or rectangle that a tool can go around.
     #[error(
-        "program.machine = \"sts\" is for discs about the axis, and {what}; take program.machine = \"mill3\", or \"turn\" where the \
+        "program.machine = \"sts\" is for discs and rectangles about the axis, and {what}; take program.machine = \"mill3\", or \"turn\" where the \
          mirror is round"
     )]
     NoDisc {

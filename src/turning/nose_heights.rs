@@ -23,7 +23,7 @@ pub(super) struct NoseHeights<'a> {
     reach_mm: f64,
     /// How far it goes along a rim's tangent, mm, and how far on it bends.
     tangent_mm: f64,
-    /// The rim at each azimuth, and the centre that touches it.
+    /// The rim at each azimuth, or the edge of the disc around a rectangle, and the centre that touches it.
     rims: Vec<(MeridianPlace, DVec2)>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> NoseHeights<'a> {
         let rims = parallel::map(per_turn, 1, |k| {
             let azimuth = TAU * k as f64 / per_turn as f64;
             let outer_mm = || sections.most(|place| place.section.at.x);
-            let rim = sections.rim(azimuth).ok_or_else(|| lost(azimuth, outer_mm()))?;
+            let rim = sections.edge(azimuth).ok_or_else(|| lost(azimuth, outer_mm()))?;
             Ok::<_, TurningError>((rim, rim.at + reach_mm * rim.normal()))
         });
         let rims = rims.into_iter().collect::<Result<_, _>>()?;

@@ -18,8 +18,8 @@ pub(super) const CHORD: f64 = 0.02;
 pub(super) const FINE_SLOPE: f64 = 0.2;
 /// How far turns go on beside the rim, over their feed.
 pub(super) const BEYOND: f64 = 2.0;
-/// Most moves of an operation.
-pub(super) const MOST: f64 = 1e6;
+/// Most moves of an operation: as many as readers keep.
+pub(super) const MOST: f64 = 5e6;
 
 /// A mirror to be turned.
 pub struct TurningTask<'a> {

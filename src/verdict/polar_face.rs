@@ -5,7 +5,7 @@
 //! Towards the axis azimuths become fewer by halves, as the circles do. Beyond the largest circle that a rim leaves whole, facets follow the cusps
 //! of each azimuth up to it.
 
-use super::polar_rim;
+use super::polar_rim::{self, RimPlace};
 use super::polar_section::PolarSection;
 use crate::geom::{DVec3, TriMesh};
 use crate::num::{cos, sin};
@@ -59,6 +59,8 @@ pub(super) struct PolarLimits<'a> {
     pub radii_mm: [f64; 2],
     /// Distance of the outer rim from the axis at an azimuth, radians, mm; none of one that is round.
     pub rim: &'a (dyn Fn(f64) -> Option<f64> + Sync),
+    /// Azimuths of the rim's corners, radians, 0 to a turn.
+    pub corners: &'a [f64],
     /// Azimuths of a circle: as [`whole`] has them.
     pub azimuths: f64,
     /// Most facets.
@@ -105,16 +107,17 @@ impl PolarFace {
         let rims = uneven_rim(&limits, count);
         if let Some(rims) = &rims {
             // The largest circle that the rim leaves room beside.
-            outer = rims.iter().copied().fold(outer, f64::min) - HALF * apart_mm;
+            outer = rims.iter().map(|rim| rim.radius_mm).fold(outer, f64::min) - HALF * apart_mm;
         }
         let cusps: Vec<f64> = cusps.into_iter().filter(|cusp| *cusp < outer).collect();
         let lattice = PolarLattice::new(rows(&cusps, [inner, outer]), count);
         let spokes = parallel::map(count, 1, |k| {
-            let section = section(k as f64 / count as f64);
-            let beyond = rims.as_ref().map(|rims| [outer, rims[k]]);
-            let beyond =
-                beyond.map(|ends| polar_rim::beyond(&section, ends, apart_mm / ROWS as f64));
-            (lattice.spoke(&section, k), beyond)
+            let beyond = rims.as_ref().map(|rims| {
+                let rim = &rims[k];
+                let section = section(rim.azimuth / TAU);
+                polar_rim::beyond(&section, outer, rim, apart_mm / ROWS as f64)
+            });
+            (lattice.spoke(&section(k as f64 / count as f64), k), beyond)
         });
         let (spokes, beyond): (Vec<_>, Vec<_>) = spokes.into_iter().unzip();
         let mut face = lattice.joined(&spokes, apart_mm)?;
@@ -125,12 +128,19 @@ impl PolarFace {
     }
 }
 
-/// Distances of a rim from the axis at each azimuth, where it is not round.
-fn uneven_rim(limits: &PolarLimits, count: usize) -> Option<Vec<f64>> {
+/// The rim's places at each azimuth, where it is not round. Those nearest to corners are in the corners.
+fn uneven_rim(limits: &PolarLimits, count: usize) -> Option<Vec<RimPlace>> {
     let outer = limits.radii_mm[1];
-    let rim = |k: usize| (limits.rim)(TAU * k as f64 / count as f64);
-    let rims = parallel::map(count, 1, rim).into_iter().collect::<Option<Vec<f64>>>()?;
-    rims.iter().any(|rim| (rim - outer).abs() > EVEN * outer).then_some(rims)
+    let mut azimuths: Vec<f64> = (0..count).map(|k| TAU * k as f64 / count as f64).collect();
+    for &corner in limits.corners {
+        azimuths[(corner / TAU * count as f64).round() as usize % count] = corner;
+    }
+    let rim = |k: usize| {
+        let azimuth = azimuths[k];
+        Some(RimPlace { azimuth, radius_mm: (limits.rim)(azimuth)? })
+    };
+    let rims = parallel::map(count, 1, rim).into_iter().collect::<Option<Vec<_>>>()?;
+    rims.iter().any(|rim| (rim.radius_mm - outer).abs() > EVEN * outer).then_some(rims)
 }
 
 /// Distances of the rows from the axis, falling, of cusps that fall; none of cusps that are nearer than [`CLOSE`] to each other or to a
@@ -310,6 +320,7 @@ mod tests {
         let limits = PolarLimits {
             radii_mm: [inner, 10.0],
             rim: &|_| None,
+            corners: &[],
             azimuths: azimuths(0.3, 0.5 * feed_mm / nose_mm),
             most: 1e6,
         };

@@ -3,18 +3,32 @@
 use super::polar_section::PolarSection;
 use crate::geom::{DVec3, TriMesh};
 use crate::num::{cos, sin};
-use std::f64::consts::TAU;
 
 /// Least distance of two places of an azimuth over that of the rows.
 const CLOSE: f64 = 0.4;
 
-/// The places of one azimuth beyond a circle: distance from the axis, mm, and Z with the move that cuts it, none where no move does.
-pub(super) type BeyondCircle = Vec<(f64, Option<(f64, usize)>)>;
+/// A place of the rim.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RimPlace {
+    /// Its azimuth, radians.
+    pub azimuth: f64,
+    /// Its distance from the axis, mm.
+    pub radius_mm: f64,
+}
 
-/// The places of an azimuth beyond a circle up to the rim: cusps, and rows between them that are about so far apart.
+/// The places of one azimuth beyond a circle.
+pub(super) struct BeyondCircle {
+    /// The azimuth, radians.
+    azimuth: f64,
+    /// Distance from the axis, mm, and Z with the move that cuts it, none where no move does.
+    places: Vec<(f64, Option<(f64, usize)>)>,
+}
+
+/// The places beyond a circle up to a place of the rim, in the section there: cusps, and rows between them that are about so far apart.
 pub(super) fn beyond(
     section: &impl PolarSection,
-    [circle, rim]: [f64; 2],
+    circle: f64,
+    &RimPlace { azimuth, radius_mm: rim }: &RimPlace,
     apart_mm: f64,
 ) -> BeyondCircle {
     let close = CLOSE * apart_mm;
@@ -34,7 +48,7 @@ pub(super) fn beyond(
             (radius_mm, section.cut(radius_mm))
         }));
     }
-    places
+    BeyondCircle { azimuth, places }
 }
 
 /// Adds the facets beyond a circle, whose vertices are the first of the mesh in the order of their azimuths.
@@ -48,9 +62,8 @@ pub(super) fn add(
 ) -> Result<(), [f64; 2]> {
     let count = beyond.len();
     let mut spokes: Vec<Vec<(f64, u32)>> = Vec::with_capacity(count);
-    for (k, places) in beyond.iter().enumerate() {
-        let angle = TAU * k as f64 / count as f64;
-        let out = [cos(angle), sin(angle)];
+    for (k, BeyondCircle { azimuth, places }) in beyond.iter().enumerate() {
+        let out = [cos(*azimuth), sin(*azimuth)];
         let circle = mesh.vertices[k].truncate().length();
         let mut spoke = vec![(circle, k as u32)];
         for &(radius_mm, cut) in places {
@@ -93,6 +106,7 @@ mod tests {
     use super::*;
     use crate::geom::{DVec2, turn};
     use crate::program::{SpindleTurn, ToolMove, TurnedSurface, TurningPath};
+    use std::f64::consts::TAU;
 
     /// Between a circle and an ellipse-like rim the facets cover the belt once.
     #[test]
@@ -109,8 +123,12 @@ mod tests {
         let (count, circle) = (360, 7.9);
         let rim = |k: usize| 9.0 + cos(2.0 * TAU * k as f64 / count as f64);
         let section = |k: usize| surface.section(k as f64 / count as f64);
-        let places: Vec<_> =
-            (0..count).map(|k| beyond(&section(k), [circle, rim(k)], 0.025)).collect();
+        let places: Vec<_> = (0..count)
+            .map(|k| {
+                let azimuth = TAU * k as f64 / count as f64;
+                beyond(&section(k), circle, &RimPlace { azimuth, radius_mm: rim(k) }, 0.025)
+            })
+            .collect();
         let mut mesh = TriMesh { vertices: Vec::new(), triangles: Vec::new() };
         for k in 0..count {
             let angle = TAU * k as f64 / count as f64;

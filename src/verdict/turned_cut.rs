@@ -8,6 +8,7 @@ use crate::geom::{DVec2, TriMesh};
 use crate::parallel;
 use crate::program::{ToolMove, TurnedSurface, TurningPath, nose_below};
 use crate::results::{CutDeparture, CuttingFault, ProgramFacts};
+use crate::turning::DiscSections;
 use std::f64::consts::TAU;
 
 /// The most facets of a face that is read: estimates of those that programs are written for are of first order.
@@ -33,6 +34,7 @@ pub(crate) fn turned_cut(
     let limits = PolarLimits {
         radii_mm,
         rim: &|azimuth| shape.rim_mm(azimuth),
+        corners: shape.disc.map_or(&[], DiscSections::corners),
         azimuths: shape.azimuths(nose_mm, feed_mm),
         most: MOST_READ,
     };

@@ -83,7 +83,7 @@ impl RoundFace {
         let section = |share: f64| SweptSection::new(swept, share, (radii_mm, apart_mm));
         let face = PolarFace::of_sections(
             &section,
-            PolarLimits { radii_mm, rim: &|_| None, azimuths, most },
+            PolarLimits { radii_mm, rim: &|_| None, corners: &[], azimuths, most },
         );
         Some(face.map(|face| face.mesh).map_err(|fault| match fault {
             PolarFault::Uncut(at_mm) => CuttingFault::Uncut { at_mm },

@@ -64,12 +64,12 @@ fn points(program: &str) -> Vec<[f64; 3]> {
     found
 }
 
-/// Least distance of a nose's centre from a section, by trying places and refining the best by halves.
-fn off_section(centre: [f64; 2], section: impl Fn(f64) -> f64) -> f64 {
+/// Least distance of a nose's centre from a section up to a radius, by trying places and refining the best by halves.
+fn off_section(centre: [f64; 2], radius_mm: f64, section: impl Fn(f64) -> f64) -> f64 {
     let off = |x: f64| hypot(x - centre[0], section(x) - centre[1]);
-    let (mut best, mut step) = (centre[0].clamp(-RADIUS_MM, RADIUS_MM), 0.05);
+    let (mut best, mut step) = (centre[0].clamp(-radius_mm, radius_mm), 0.05);
     for k in -40..=40 {
-        let x = (centre[0] + 0.05 * f64::from(k)).clamp(-RADIUS_MM, RADIUS_MM);
+        let x = (centre[0] + 0.05 * f64::from(k)).clamp(-radius_mm, radius_mm);
         if off(x) < off(best) {
             best = x;
         }
@@ -77,7 +77,7 @@ fn off_section(centre: [f64; 2], section: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..40 {
         step *= 0.5;
         for x in [best - step, best + step] {
-            if x.abs() <= RADIUS_MM && off(x) < off(best) {
+            if x.abs() <= radius_mm && off(x) < off(best) {
                 best = x;
             }
         }
@@ -85,16 +85,10 @@ fn off_section(centre: [f64; 2], section: impl Fn(f64) -> f64) -> f64 {
     off(best)
 }
 
-/// By the words of the program alone: the nose's centre is its radius off the section of the saddle at each point's C, in the middle
-/// of moves too within their chord; C grows evenly and X shrinks.
-#[test]
-fn the_nose_is_its_radius_off_the_section_at_each_point() {
-    let (report, files) = cut(&format!("{SADDLE}\npolish_um = 8\n"));
-    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
-    let all = points(&text(&files, "finishing.ngc"));
+/// That a program keeps the nose its radius off the section of the saddle, whose lowest place within a circle is at `bottom`, at each point's C,
+/// in the middle of moves too within their chord; C grows evenly.
+fn keeps_off_saddle(all: &[[f64; 3]], radius_mm: f64, bottom: f64) {
     assert!(all.len() > 2000);
-    // The lowest place of the saddle is on the base.
-    let bottom = 3.0 + SADDLE_C * RADIUS_MM * RADIUS_MM;
     let mut over = 0;
     for pair in all.windows(2) {
         assert!((pair[1][2] - pair[0][2] - (all[1][2] - all[0][2])).abs() < 1e-9);
@@ -102,20 +96,88 @@ fn the_nose_is_its_radius_off_the_section_at_each_point() {
             let [x, z, c] = std::array::from_fn(|k| pair[0][k] + share * (pair[1][k] - pair[0][k]));
             let cosine = cos(TAU * c / 180.0);
             let centre = [x + 1.5, z + 1.5];
-            let off = off_section(centre, |rho| bottom + SADDLE_C * rho * rho * cosine) - 1.5;
+            let section = |rho: f64| bottom + SADDLE_C * rho * rho * cosine;
+            let off = off_section(centre, radius_mm, section) - 1.5;
             assert!(off > -1.01e-3, "{x} {z} {c}: {off}");
-            if centre[0] < RADIUS_MM - 0.5 && off < 0.5 {
+            if centre[0] < radius_mm - 0.5 && off < 0.5 {
                 over += usize::from(off.abs() < 1.01e-3);
             }
         }
     }
     assert!(over > 2 * all.len() / 3, "{over} of {}", all.len());
+}
+
+/// By the words of the program alone: the nose keeps off the saddle, and X shrinks.
+#[test]
+fn the_nose_is_its_radius_off_the_section_at_each_point() {
+    let (report, files) = cut(&format!("{SADDLE}\npolish_um = 8\n"));
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    let all = points(&text(&files, "finishing.ngc"));
+    // The lowest place of the saddle is on the base.
+    keeps_off_saddle(&all, RADIUS_MM, 3.0 + SADDLE_C * RADIUS_MM * RADIUS_MM);
     let operation = &report.operations[2];
     assert_eq!(operation.feed_mm_rev, Some(0.2));
     let turn = operation.servo.unwrap().points_rev;
     // From a turn to the next X comes nearer by the feed.
     let k = all.len() / 2;
     assert!((all[k][0] - all[k + turn][0] - 0.2).abs() < 1e-5);
+}
+
+/// A rectangle is cut as the disc around it: beside a quadric's rim its extension is the quadric. The face that is read back has the
+/// rectangle's corners, and its area.
+#[test]
+fn a_rectangle_is_cut_as_the_disc_around_it() {
+    let text_of = edited(
+        SADDLE,
+        &[
+            ("pixels = [100, 100]", "pixels = [150, 100]"),
+            ("layout.disc = {}\n", ""),
+            ("width_mm = 16", "width_mm = 12, height_mm = 8"),
+        ],
+    );
+    let (report, files) = cut(&format!("{text_of}\npolish_um = 8\n"));
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    let half = [6.0, 4.0];
+    let bottom = 3.0 + SADDLE_C * half[1] * half[1];
+    keeps_off_saddle(&points(&text(&files, "finishing.ngc")), hypot(half[0], half[1]), bottom);
+    for (done, asked_um) in report.operations.iter().zip([300.0, 100.0]) {
+        let left = done.left.unwrap();
+        assert!(left.least_um > 0.95 * asked_um && left.most_um < 1.1 * asked_um, "{left:?}");
+    }
+    let facts = report.program.as_ref().unwrap();
+    assert!(facts.lowest.off_um > -1.5, "{facts:?}");
+    let as_cut = files.iter().find(|file| file.name == "as-cut.stl").unwrap();
+    let cut_face = Facets::of_stl(&as_cut.bytes);
+    for (x, y) in [(6.0, 4.0), (-6.0, 4.0), (-6.0, -4.0), (6.0, -4.0)] {
+        let off = cut_face.0.iter().flatten().map(|v| hypot(v[0] - x, v[1] - y));
+        let off = off.fold(f64::INFINITY, f64::min);
+        assert!(off < 1e-5, "{x} {y}: {off}");
+    }
+    let area = cut_face.area_from_above();
+    assert!((area / 96.0 - 1.0).abs() < 1e-6, "{area}");
+}
+
+/// Corners of the facets of a binary STL.
+struct Facets(Vec<[[f64; 3]; 3]>);
+
+impl Facets {
+    fn of_stl(bytes: &[u8]) -> Self {
+        let number =
+            |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()));
+        let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) as usize;
+        let corner = |k: usize, v: usize| {
+            std::array::from_fn(|axis| number(84 + 50 * k + 12 + 12 * v + 4 * axis))
+        };
+        Self((0..count).map(|k| std::array::from_fn(|v| corner(k, v))).collect())
+    }
+
+    /// Area in the plan of the facets that are seen from above, mm^2.
+    fn area_from_above(&self) -> f64 {
+        let area = |[a, b, c]: &[[f64; 3]; 3]| {
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+        };
+        self.0.iter().map(area).filter(|area| *area > 0.0).sum()
+    }
 }
 
 /// Z'' of the saddle at the rim is 4 c rho^2 w^2, of Z = c rho^2 cos 2t: the speed that is chosen is the root of the acceleration over that,

@@ -7,21 +7,18 @@ use super::super::reader::{ProfileReader, Section};
 use super::super::servo::{ServoControl, ServoSpec};
 use super::program_table::{self, ForeignControl, ProgramTable};
 
-/// Complains of a mirror that is no disc, at the key that asks for a slow tool servo.
+/// Complains of a mirror that is neither disc nor rectangle, at the key that asks for a slow tool servo.
 pub(super) fn suits(reader: &mut ProfileReader, section: &Section, layout: Option<&Layout>) {
     let (outline, instead) = match layout {
-        None | Some(Layout::Disc) => return,
+        None | Some(Layout::Disc | Layout::Rectangle { .. } | Layout::Strip { .. }) => return,
         Some(Layout::Annulus { .. }) => ("an annulus", "\"turn\""),
-        Some(Layout::Strip { .. }) => ("a strip", "\"mill3\""),
         Some(Layout::Conquistador { .. }) => ("a conquistador of two panels", "\"mill3\""),
-        Some(Layout::Rectangle { .. }) => ("a rectangle", "\"mill3\""),
     };
     let Some(value) = reader.value(section, "machine", Optional, "", "") else { return };
     let message = format!(
-        "program.machine must be {instead} for a mirror that is no disc, found \"sts\" for {outline}"
+        "program.machine must be {instead} for a mirror that is neither a disc nor one rectangle, found \"sts\" for {outline}"
     );
-    let hint =
-        "a slow tool servo follows the mirror all around the axis, and out of it: [layout.disc]";
+    let hint = "a slow tool servo follows the mirror all around the axis, and out of it: [layout.disc], [layout.rectangle]";
     reader.complain(value.span().start, message, hint);
 }
 
