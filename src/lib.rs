@@ -121,18 +121,15 @@ pub use mesh::{Face, MeshError};
 pub use pipeline::{
     BlurOptions, BuildOptions, Command, DrawingOptions, Effort, Error, FrameOptions,
     InspectOptions, MachiningOptions, MapFormat, MountedCamera, Observer, OutputFile,
-    ProgramOptions, RawFormat, RawFrames, RenderOptions, ReplayOptions, Rows, Silent, SourceError,
-    Stage, TableOptions, ToleranceOptions, Unwrap, UnwrapFolder, UnwrapOptions, UnwrapPicture,
-    UnwrapStream, Verify, VerifyOptions, ViewAngles,
+    ProgramOptions, RenderOptions, ReplayOptions, Rows, Silent, SourceError, Stage, TableOptions,
+    ToleranceOptions, Unwrap, UnwrapOptions, UnwrapPicture, Verify, VerifyOptions, ViewAngles,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};
 pub use results::{
-    BlurReport, BuildForecast, BuildReport, CuttingFault, DrawingFacts, DrawingReport, FileFault,
-    FrameReport, InspectionReport, LeastFilled, MachiningReport, PictureFault, PixelErrorFigure,
-    ProgramReport, RayFault, Reason, ReasonKind, Refusal, RefusalCause, RenderReport, ReplayFault,
-    ReplayReport, ShapeFault, StudyFault, SweepReport, TableReport, ToleranceReport, UnwrapReport,
-    Verdict, VerifyReport,
+    BlurReport, BuildForecast, BuildReport, DrawingFacts, DrawingReport, FrameReport,
+    InspectionReport, MachiningReport, ProgramReport, Reason, ReasonSubject, RenderReport,
+    ReplayReport, SweepReport, TableReport, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
 };
 pub use solid::{Solid, SolidError};
 pub use unwrap::RemapTable;

@@ -54,7 +54,7 @@ pub use machining::{
 pub use measured::{AlignmentFacts, UnitFacts};
 pub use milling::{LeftFacts, LengthFacts, OperationFacts, ProgramReport, ServoFacts};
 pub use program::{CutDeparture, ProgramFacts};
-pub use reason::{Reason, ReasonKind};
+pub use reason::{Reason, ReasonKind, ReasonSubject};
 pub use render::RenderReport;
 pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{ApertureFacts, SharpnessFacts};

@@ -37,12 +37,37 @@ pub enum ReasonKind {
     Recorded(String),
 }
 
+/// What a reason is about, without its figures, which the report has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ReasonSubject {
+    /// The bytes of a file.
+    File,
+    /// The shape of the part.
+    Shape,
+    /// Rays that do not reach the world.
+    Rays,
+    /// What the camera sees.
+    Picture,
+    /// A face as a cutter leaves it.
+    Cutting,
+    /// A study of tolerances.
+    Study,
+    /// A file of a replayed trial.
+    Replay,
+    /// Files that are not written although they are asked for.
+    NotWritten,
+    /// What a report said that was read from a file, which holds sentences alone.
+    Recorded,
+}
+
 /// Why a verdict is negative: what files hold of it is one sentence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(into = "String", from = "String")]
 pub struct Reason {
-    /// What it is about.
+    /// What it is about, with its figures; [`Self::subject`] alone is promised to stay.
+    #[doc(hidden)]
     pub kind: ReasonKind,
     /// The file that it is said of; of the whole part without one.
     pub file: Option<String>,
@@ -51,6 +76,31 @@ pub struct Reason {
 }
 
 impl Reason {
+    /// What it is about.
+    ///
+    /// ```
+    /// # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../../examples/small.toml"))?;
+    /// # let out = tempfile::tempdir()?;
+    /// let report = morion::build(&profile, out.path())?;
+    /// let is_picture = |reason: &morion::Reason| reason.subject() == morion::ReasonSubject::Picture;
+    /// assert!(!report.reasons.iter().any(is_picture));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn subject(&self) -> ReasonSubject {
+        match self.kind {
+            ReasonKind::File(_) => ReasonSubject::File,
+            ReasonKind::Shape(_) => ReasonSubject::Shape,
+            ReasonKind::Rays(_) => ReasonSubject::Rays,
+            ReasonKind::Picture(_) => ReasonSubject::Picture,
+            ReasonKind::Cutting(_) => ReasonSubject::Cutting,
+            ReasonKind::Study(_) => ReasonSubject::Study,
+            ReasonKind::Replay(_) => ReasonSubject::Replay,
+            ReasonKind::NotWritten(_) => ReasonSubject::NotWritten,
+            ReasonKind::Recorded(_) => ReasonSubject::Recorded,
+        }
+    }
+
     /// The same, said of the file `name`.
     #[must_use]
     pub fn of_file(self, name: &str) -> Self {

@@ -58,6 +58,22 @@ fn a_public_type_has_a_name_of_its_own() {
     assert!(SHARED.len() <= MOST_SHARED && places.is_empty(), "{places:#?}");
 }
 
+/// Names that the crate promises: what its root hands on, but for the modules of the hidden `internals`.
+const MOST_PROMISED: usize = 80;
+
+#[test]
+fn the_root_promises_few_names() {
+    let root = sources().into_iter().find(|source| source.file == "src/lib.rs").unwrap();
+    let code = blank(&root.text);
+    let handed_on = code.split("pub use ").skip(1).map(|rest| rest.split(';').next().unwrap());
+    let names: Vec<&str> = handed_on
+        .flat_map(|list| list.rsplit("::").next().unwrap().split(['{', '}', ',', '\n', ' ']))
+        .filter(|name| !name.is_empty())
+        .collect();
+    assert!(names.contains(&"Profile") && names.contains(&"Verdict"), "{names:?}");
+    assert!(names.len() <= MOST_PROMISED, "{} names: {names:?}", names.len());
+}
+
 #[test]
 fn nothing_is_called_by_a_metaphor() {
     let mut found = Vec::new();
