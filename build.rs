@@ -26,11 +26,17 @@ fn main() -> std::io::Result<()> {
     println!("cargo:rustc-env=MORION_SOURCES={hex}");
     let mut texts =
         vec!["docs/profile.md".into(), "src/report/page/assets/three/three.min.js".into()];
-    let mut schemas = Vec::new();
-    collect(Path::new("src/cli/schemas"), &mut schemas)?;
-    texts.extend(
-        schemas.into_iter().filter(|file| file.extension().is_some_and(|end| end == "json")),
-    );
+    for (folder, ends) in [
+        ("src/cli/schemas", &["json"][..]),
+        ("src/studio/assets", &["css", "html", "js"]),
+        ("profiles", &["toml"]),
+    ] {
+        let mut files = Vec::new();
+        collect(Path::new(folder), &mut files)?;
+        let is_text =
+            |file: &PathBuf| ends.iter().any(|end| file.extension() == Some(end.as_ref()));
+        texts.extend(files.into_iter().filter(is_text));
+    }
     texts.iter().try_for_each(|file| pack(file))
 }
 

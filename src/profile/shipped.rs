@@ -1,5 +1,8 @@
 //! The profiles that come with Morion.
 
+use crate::packed_text::{PackedText, packed_text};
+use std::sync::LazyLock;
+
 /// A profile that comes with Morion and can be named without a path.
 #[derive(Clone, Copy, Debug)]
 pub struct Shipped {
@@ -9,43 +12,46 @@ pub struct Shipped {
     pub text: &'static str,
 }
 
+/// Names and texts of the shipped profiles.
+macro_rules! packed {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, packed_text!(concat!($name, ".toml")))),*]
+    };
+}
+static PACKED: [(&str, PackedText); 24] = packed![
+    "panoramic",
+    "conquistador",
+    "webcam",
+    "machine-vision",
+    "pi-hq",
+    "phone",
+    "robot-floor",
+    "soccer",
+    "side-view",
+    "driver",
+    "floor",
+    "calibrated",
+    "dome",
+    "four-views",
+    "conformal",
+    "parabolic",
+    "hyperbolic",
+    "conical",
+    "equiangular",
+    "tangent-proportional",
+    "area-proportional",
+    "plane",
+    "equi-areal",
+    "cylinder",
+];
+
 /// The shipped profiles: the paper's two mirrors, those for cameras that people have, and the mirrors of
 /// other papers.
 pub fn shipped() -> &'static [Shipped] {
-    macro_rules! shipped {
-        ($($name:literal),* $(,)?) => {
-            &[$(Shipped {
-                name: $name,
-                text: include_str!(concat!("../../profiles/", $name, ".toml")),
-            }),*]
-        };
-    }
-    shipped![
-        "panoramic",
-        "conquistador",
-        "webcam",
-        "machine-vision",
-        "pi-hq",
-        "phone",
-        "robot-floor",
-        "soccer",
-        "side-view",
-        "driver",
-        "floor",
-        "calibrated",
-        "dome",
-        "four-views",
-        "conformal",
-        "parabolic",
-        "hyperbolic",
-        "conical",
-        "equiangular",
-        "tangent-proportional",
-        "area-proportional",
-        "plane",
-        "equi-areal",
-        "cylinder",
-    ]
+    static SHIPPED: LazyLock<Vec<Shipped>> = LazyLock::new(|| {
+        PACKED.iter().map(|(name, text)| Shipped { name, text: text.text() }).collect()
+    });
+    &SHIPPED
 }
 
 #[cfg(test)]

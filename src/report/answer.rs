@@ -49,12 +49,12 @@ pub trait Answer: Serialize {
 
     /// The answer as JSON of several lines.
     fn json(&self) -> String {
-        json(self)
+        json_text(self)
     }
 
     /// The answer as JSON on one line.
     fn json_line(&self) -> String {
-        let mut text = serde_json::to_string(self).expect("string keys and plain values only");
+        let mut text = on_one_line(&self.json());
         text.push('\n');
         text
     }
@@ -88,10 +88,25 @@ pub trait Answer: Serialize {
 }
 
 /// `result` as JSON of several lines.
-pub(super) fn json(result: &(impl Serialize + ?Sized)) -> String {
+pub(crate) fn json_text(result: &(impl Serialize + ?Sized)) -> String {
     let mut text = serde_json::to_string_pretty(result).expect("string keys and plain values only");
     text.push('\n');
     text
+}
+
+/// JSON of several lines without the blanks between its words: a second writer of all reports is a hundred kilobytes of program.
+fn on_one_line(json: &str) -> String {
+    let (mut is_text, mut is_escaped) = (false, false);
+    let keep = |c: &char| {
+        if is_text {
+            is_text = is_escaped || *c != '"';
+            is_escaped = *c == '\\' && !is_escaped;
+            return true;
+        }
+        is_text = *c == '"';
+        !c.is_ascii_whitespace()
+    };
+    json.chars().filter(keep).collect()
 }
 
 /// What has facts to add to an answer.
@@ -250,6 +265,16 @@ impl ToRows for FileFacts {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Blanks, quotes and backslashes of texts stay, and what is read is the same.
+    #[test]
+    fn a_line_is_what_the_writer_of_lines_makes() {
+        let value = serde_json::json!({
+            "a \\": ["b \" c, \\\" : d", "\n\t", "", {}, []], "e": [1.5e-7, -2, null, true],
+        });
+        let line = on_one_line(&json_text(&value));
+        assert_eq!(line, serde_json::to_string(&value).unwrap());
+    }
 
     #[test]
     fn each_reader_gets_its_facts_under_its_names() {

@@ -36,6 +36,7 @@ mod unwanted_views;
 mod unwrap;
 mod visible;
 
+pub(crate) use answer::json_text;
 pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use build_figures::{BuildFigures, PartFigures};
 pub use inspection::inspection_csv;

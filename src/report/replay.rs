@@ -1,6 +1,6 @@
 //! A replayed trial as JSON and as text, and its pose as JSON.
 
-use super::answer::{Answer, AnswerRows, Head, json};
+use super::answer::{Answer, AnswerRows, Head, json_text};
 use crate::num::stats::Summary;
 use crate::results::{PoseFile, ReplayFile, ReplayReport, digits, displacement};
 use crate::tolerance::{Displacement, Witnessed};
@@ -9,7 +9,7 @@ impl PoseFile {
     /// `pose.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        json(self)
+        json_text(self)
     }
 }
 

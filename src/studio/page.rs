@@ -2,13 +2,14 @@
 
 use super::failure::RequestFailure;
 use super::message::Content;
+use crate::packed_text::{PackedText, packed_text};
 use crate::report::{STYLE, THREE, VIEWER};
 use std::fmt::Write;
 
-const HTML: &str = include_str!("assets/studio.html");
-const CSS: &str = include_str!("assets/studio.css");
-const FORM: &str = include_str!("assets/form.js");
-const STUDIO: &str = include_str!("assets/studio.js");
+static HTML: PackedText = packed_text!("studio.html");
+static CSS: PackedText = packed_text!("studio.css");
+static FORM: PackedText = packed_text!("form.js");
+static STUDIO: PackedText = packed_text!("studio.js");
 
 /// The page; its scripts and styles have a nonce of their own each time.
 ///
@@ -28,11 +29,13 @@ pub(super) fn page() -> Result<Content, RequestFailure> {
         script(&format!("/*! three.js, (c) three.js authors, MIT licence */\n{}", THREE.text())),
         // The viewer draws the part that the page holds when it is called.
         script(&format!("function drawPart() {{\n{VIEWER}\n}}")),
-        script(FORM),
-        script(STUDIO),
+        script(FORM.text()),
+        script(STUDIO.text()),
     ];
-    let style = format!("<style nonce=\"{nonce}\">\n{STYLE}{CSS}</style>");
-    let html =
-        HTML.replace("<!-- style -->", &style).replace("<!-- scripts -->", &scripts.concat());
+    let style = format!("<style nonce=\"{nonce}\">\n{STYLE}{}</style>", CSS.text());
+    let html = HTML
+        .text()
+        .replace("<!-- style -->", &style)
+        .replace("<!-- scripts -->", &scripts.concat());
     Ok(Content::Page { html, nonce })
 }

@@ -23,7 +23,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("raster", &["num"]),
     ("video", &["raster"]),
     ("optics", &["geom", "num", "parallel"]),
-    ("profile", &["tolerance_terms", "optics", "geom", "raster", "sheet", "num"]),
+    ("profile", &["tolerance_terms", "optics", "geom", "packed_text", "raster", "sheet", "num"]),
     ("publish", &["profile", "parallel"]),
     ("mirror", &["geom", "num", "parallel"]),
     ("brep", &["geom", "num", "parallel"]),
