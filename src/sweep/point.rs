@@ -94,7 +94,7 @@ fn report(profile: &Profile, spec: &SweepSpec) -> Result<Json, Error> {
     })
 }
 
-/// The keys of a report, by way of its text: a second writer of all reports is a hundred kilobytes of program.
+/// The keys of a report, from its text.
 fn json(report: impl Serialize) -> Json {
     serde_json::from_str(&json_text(&report)).unwrap_or_default()
 }

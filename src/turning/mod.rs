@@ -91,6 +91,19 @@ pub enum TurningError {
         /// Angle of the flank, degrees.
         clearance_deg: f64,
     },
+    /// More points of a turn than are chosen among.
+    #[error(
+        "{what} would take more than {most} points of a turn: take {}",
+        remedy.map_or("program.machine = \"mill3\"".to_owned(), |(key, least, unit)| format!("a program.{key} of {least} {unit} or more"))
+    )]
+    PerTurn {
+        /// Which operation.
+        what: &'static str,
+        /// The most.
+        most: usize,
+        /// A key, the least value that will do, and its unit; none where no value does.
+        remedy: Option<(&'static str, f64, &'static str)>,
+    },
     /// More points than a table may have.
     #[error(
         "{what} would take more than {most:.0e} points: take a larger program.chord_um{}",

@@ -17,7 +17,13 @@ use std::f64::consts::TAU;
 
 /// Points of a turn that are chosen among: steps of C that are whole in four decimals of a degree.
 const PER_TURN: [usize; 18] =
-    [36, 48, 60, 72, 90, 96, 120, 144, 180, 240, 288, 360, 480, 576, 720, 900, 1440, 2880];
+    [36, 48, 60, 72, 90, 96, 120, 144, 180, 240, 288, 360, 480, 576, 720, 900, 1440, FINEST];
+/// The most of them: an eighth of a degree between two points.
+const FINEST: usize = 2880;
+/// What a move between two points is off its path, over the path's second difference.
+const CHORD_SHARE: f64 = 0.125;
+/// Largest chord that a profile may ask for, um.
+const MOST_CHORD_UM: f64 = 100.0;
 /// Share by which the points of a turn are more than first order asks for.
 const ROOM: f64 = 1.05;
 
@@ -88,6 +94,13 @@ impl ServoTask<'_> {
         tool_fit::clears(self.sections.sections(), edges_deg)?;
         tool_fit::holds(self.sections.sections(), nose.radius_mm, rough.allowance_mm)?;
         self.clears_flank()?;
+        let finishing = AskedOperation {
+            kind: OperationKind::Finishing,
+            feed_mm: self.feed_mm,
+            left_mm: 0.0,
+            chord_mm: 1e-3 * self.spec.finishing.chord_um,
+            slope: FINE_SLOPE * 0.5 * self.feed_mm / nose.radius_mm,
+        };
         let feeds = OperationFeeds::new(self.spec, self.feed_mm);
         let coarse = |kind, feed_mm, left_mm| AskedOperation {
             kind,
@@ -96,19 +109,11 @@ impl ServoTask<'_> {
             chord_mm: CHORD * left_mm,
             slope: f64::INFINITY,
         };
-        let finishing = AskedOperation {
-            kind: OperationKind::Finishing,
-            feed_mm: self.feed_mm,
-            left_mm: 0.0,
-            chord_mm: 1e-3 * self.spec.finishing.chord_um,
-            slope: FINE_SLOPE * 0.5 * self.feed_mm / nose.radius_mm,
-        };
-        let all = [
-            coarse(OperationKind::Roughing, feeds.rough_feed_mm, rough.allowance_mm),
-            coarse(OperationKind::SemiFinishing, feeds.even_feed_mm, feeds.even_mm),
-            finishing,
-        ];
-        all.into_iter().map(|asked| self.operation(asked)).collect()
+        // The finest is what is refused, if any is: not after all others have been made.
+        let finishing = self.operation(finishing)?;
+        let rough = coarse(OperationKind::Roughing, feeds.rough_feed_mm, rough.allowance_mm);
+        let even = coarse(OperationKind::SemiFinishing, feeds.even_feed_mm, feeds.even_mm);
+        Ok(vec![self.operation(rough)?, self.operation(even)?, finishing])
     }
 
     /// That no place falls along the direction of cutting more steeply than the tool's flank.
@@ -133,44 +138,40 @@ impl ServoTask<'_> {
         let mut per_turn = self.per_turn(asked)?;
         loop {
             let (heights, places) = self.spiral(asked, per_turn)?;
-            // Between two points a move is off its path by an eighth of the second difference.
-            let off = f64::sqrt(0.125 * bend(&places) / asked.chord_mm);
+            let off = f64::sqrt(CHORD_SHARE * bend(&places) / asked.chord_mm);
             if off <= 1.0 {
                 return self.along(asked, &heights, &places);
             }
-            let more = chosen(ROOM * off * per_turn as f64).max(chosen(per_turn as f64 + 1.0));
-            per_turn = more.ok_or_else(|| self.many(asked, f64::INFINITY))?;
+            if per_turn == FINEST {
+                return Err(chord_too_small(asked, off * off * asked.chord_mm));
+            }
+            let more = chosen(ROOM * off * per_turn as f64).unwrap_or(FINEST);
+            per_turn = more.max(chosen(per_turn as f64 + 1.0).unwrap_or(FINEST));
         }
     }
 
     /// Points of a turn by the mirror's derivatives around the axis.
     fn per_turn(&self, asked: AskedOperation) -> Result<usize, TurningError> {
+        let points = |share: f64| ROOM * TAU * share / FINEST as f64;
         let chord =
             self.sections.most(|place| f64::sqrt(place.around_mm().abs() / (8.0 * asked.chord_mm)));
         let slope = self
             .sections
             .most(|place| place.around_mm().abs() / (2.0 * asked.slope * place.section.at.x));
-        let needed = ROOM * TAU * chord.max(slope);
-        let per_turn = chosen(needed).ok_or_else(|| self.many(asked, f64::INFINITY))?;
+        let [chord, slope] = [points(chord), points(slope)];
+        if chord > 1.0 {
+            return Err(chord_too_small(asked, chord * chord * asked.chord_mm));
+        }
+        let Some(per_turn) = chosen(chord.max(slope) * FINEST as f64) else {
+            // The slope that may be is in proportion to the feed.
+            return Err(per_turn(
+                asked,
+                Some(("feed_mm_rev", rounded_up(slope * asked.feed_mm), "mm")),
+            ));
+        };
         let turns = (self.bar.radius_mm + BESIDE_MM) / asked.feed_mm;
         let count = turns * per_turn as f64;
-        if count > MOST { Err(self.many(asked, count)) } else { Ok(per_turn) }
-    }
-
-    fn many(&self, asked: AskedOperation, count: f64) -> TurningError {
-        let least = count.is_finite().then(|| {
-            let least = asked.feed_mm * count / MOST;
-            (1e4 * least).ceil() / 1e4
-        });
-        let key = match asked.kind {
-            OperationKind::Roughing => "rough_feed_mm_rev",
-            _ => "feed_mm_rev",
-        };
-        TurningError::Points {
-            what: asked.kind.name(),
-            most: MOST,
-            feed: least.map(|mm| (key, mm)),
-        }
+        if count > MOST { Err(many(asked, count)) } else { Ok(per_turn) }
     }
 
     /// The nose's heights, and the places of its centre from beside the bar to the axis.
@@ -228,7 +229,7 @@ impl ServoTask<'_> {
         }
         let table = table.finish(nose_mm);
         if table.points.len() as f64 > MOST {
-            return Err(self.many(asked, table.points.len() as f64));
+            return Err(many(asked, table.points.len() as f64));
         }
         let (rpm, limit) = table.speed(&limits);
         Ok(ServoOperation {
@@ -247,4 +248,36 @@ impl ServoTask<'_> {
 /// The least number of points of a turn that is no less than what is needed.
 fn chosen(needed: f64) -> Option<usize> {
     PER_TURN.into_iter().find(|&count| count as f64 >= needed)
+}
+
+/// A length in four decimals, no less than what is given.
+fn rounded_up(mm: f64) -> f64 {
+    (1e4 * mm).ceil() / 1e4
+}
+
+fn per_turn(
+    asked: AskedOperation,
+    remedy: Option<(&'static str, f64, &'static str)>,
+) -> TurningError {
+    TurningError::PerTurn { what: asked.kind.name(), most: FINEST, remedy }
+}
+
+/// No points of a turn follow the path within the chord; with `least_mm` the finest do.
+fn chord_too_small(asked: AskedOperation, least_mm: f64) -> TurningError {
+    let least_um = (1e6 * least_mm).ceil() / 1e3;
+    let is_key = asked.kind == OperationKind::Finishing && least_um <= MOST_CHORD_UM;
+    per_turn(asked, is_key.then_some(("chord_um", least_um, "um")))
+}
+
+/// More points than a table may have, with the feed that makes fewer turns.
+fn many(asked: AskedOperation, count: f64) -> TurningError {
+    let key = match asked.kind {
+        OperationKind::Roughing => "rough_feed_mm_rev",
+        _ => "feed_mm_rev",
+    };
+    TurningError::Points {
+        what: asked.kind.name(),
+        most: MOST,
+        feed: Some((key, rounded_up(asked.feed_mm * count / MOST))),
+    }
 }

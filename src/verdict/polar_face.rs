@@ -112,12 +112,14 @@ impl PolarFace {
         let cusps: Vec<f64> = cusps.into_iter().filter(|cusp| *cusp < outer).collect();
         let lattice = PolarLattice::new(rows(&cusps, [inner, outer]), count);
         let spokes = parallel::map(count, 1, |k| {
+            let own = section(k as f64 / count as f64);
             let beyond = rims.as_ref().map(|rims| {
                 let rim = &rims[k];
-                let section = section(rim.azimuth / TAU);
-                polar_rim::beyond(&section, outer, rim, apart_mm / ROWS as f64)
+                let corner = rim.is_corner.then(|| section(rim.azimuth / TAU));
+                let section = corner.as_ref().unwrap_or(&own);
+                polar_rim::beyond(section, outer, rim, apart_mm / ROWS as f64)
             });
-            (lattice.spoke(&section(k as f64 / count as f64), k), beyond)
+            (lattice.spoke(&own, k), beyond)
         });
         let (spokes, beyond): (Vec<_>, Vec<_>) = spokes.into_iter().unzip();
         let mut face = lattice.joined(&spokes, apart_mm)?;
@@ -131,13 +133,14 @@ impl PolarFace {
 /// The rim's places at each azimuth, where it is not round. Those nearest to corners are in the corners.
 fn uneven_rim(limits: &PolarLimits, count: usize) -> Option<Vec<RimPlace>> {
     let outer = limits.radii_mm[1];
-    let mut azimuths: Vec<f64> = (0..count).map(|k| TAU * k as f64 / count as f64).collect();
+    let even = |k: usize| TAU * k as f64 / count as f64;
+    let mut azimuths: Vec<(f64, bool)> = (0..count).map(|k| (even(k), false)).collect();
     for &corner in limits.corners {
-        azimuths[(corner / TAU * count as f64).round() as usize % count] = corner;
+        azimuths[(corner / TAU * count as f64).round() as usize % count] = (corner, true);
     }
     let rim = |k: usize| {
-        let azimuth = azimuths[k];
-        Some(RimPlace { azimuth, radius_mm: (limits.rim)(azimuth)? })
+        let (azimuth, is_corner) = azimuths[k];
+        Some(RimPlace { azimuth, is_corner, radius_mm: (limits.rim)(azimuth)? })
     };
     let rims = parallel::map(count, 1, rim).into_iter().collect::<Option<Vec<_>>>()?;
     rims.iter().any(|rim| (rim.radius_mm - outer).abs() > EVEN * outer).then_some(rims)

@@ -12,6 +12,8 @@ const CLOSE: f64 = 0.4;
 pub(super) struct RimPlace {
     /// Its azimuth, radians.
     pub azimuth: f64,
+    /// Whether it is a corner, at an azimuth of its own.
+    pub is_corner: bool,
     /// Its distance from the axis, mm.
     pub radius_mm: f64,
 }
@@ -28,7 +30,7 @@ pub(super) struct BeyondCircle {
 pub(super) fn beyond(
     section: &impl PolarSection,
     circle: f64,
-    &RimPlace { azimuth, radius_mm: rim }: &RimPlace,
+    &RimPlace { azimuth, radius_mm: rim, .. }: &RimPlace,
     apart_mm: f64,
 ) -> BeyondCircle {
     let close = CLOSE * apart_mm;
@@ -126,7 +128,8 @@ mod tests {
         let places: Vec<_> = (0..count)
             .map(|k| {
                 let azimuth = TAU * k as f64 / count as f64;
-                beyond(&section(k), circle, &RimPlace { azimuth, radius_mm: rim(k) }, 0.025)
+                let place = RimPlace { azimuth, is_corner: false, radius_mm: rim(k) };
+                beyond(&section(k), circle, &place, 0.025)
             })
             .collect();
         let mut mesh = TriMesh { vertices: Vec::new(), triangles: Vec::new() };

@@ -370,6 +370,48 @@ fn what_cannot_be_cut_is_refused_with_what_would() {
     assert!(said.contains("below the base around it; raise part.base_mm"), "{said}");
 }
 
+/// What a refusal of too many points of a turn names.
+fn chord_that_will_do(text: &str) -> f64 {
+    let said = refused(text);
+    assert!(said.contains("finishing would take more than 2880 points of a turn"), "{said}");
+    let (_, chord) = said.split_once("take a program.chord_um of ").unwrap();
+    chord.split_once(" um or more").unwrap().0.parse().unwrap()
+}
+
+/// A saddle bends around the axis by 4 c rho^2, of which a move around the axis cuts off an eighth times its angle squared.
+#[test]
+fn the_chord_that_a_refusal_names_makes_the_mirror() {
+    let wide = edited(
+        SADDLE,
+        &[
+            ("[[2, 0, 0.004], [0, 2, -0.004]]", "[[2, 0, 0.001], [0, 2, -0.001]]"),
+            ("width_mm = 16, base_mm = 3", "width_mm = 140, base_mm = 12"),
+            ("feed_mm_rev = 0.2", "feed_mm_rev = 0.5"),
+        ],
+    );
+    let chord_um = chord_that_will_do(&format!("{wide}\nchord_um = 0.01\n"));
+    let angle = TAU / 2880.0;
+    let least_um = 1e3 * 0.125 * 4.0 * 0.001 * 70.0 * 70.0 * angle * angle;
+    assert!(chord_um > least_um && chord_um < 1.2 * least_um, "{chord_um} {least_um}");
+    let (report, _) = cut(&format!("{wide}\nchord_um = {chord_um}\n"));
+    assert_eq!(report.operations.len(), 3);
+}
+
+/// Beside the rectangle of a driver's mirror the extension has corners, which its derivatives do not tell of.
+#[test]
+#[ignore = "long: .ci/nightly"]
+fn the_chord_that_a_refusal_names_follows_corners() {
+    let shipped = morion::shipped().iter().find(|shipped| shipped.name == "driver").unwrap();
+    let with = |chord_um: f64| {
+        let program = "[program]\nmachine = \"sts\"\nnose_mm = 1\npolish_um = 50";
+        format!("{}\n{program}\nchord_um = {chord_um}\n", shipped.text)
+    };
+    let chord_um = chord_that_will_do(&with(1.0));
+    let (report, _) = cut(&with(chord_um));
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    assert!(chord_that_will_do(&with(0.99 * chord_um)) <= chord_um);
+}
+
 /// The files of both controls are the same on one thread and on two, and what is written by one command is verified by another.
 #[test]
 fn files_are_the_same_on_any_number_of_threads() {
