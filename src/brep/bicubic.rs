@@ -172,6 +172,13 @@ impl Powers {
         [even(x, of_x), even(y, of_y)]
     }
 
+    /// How much X grows along u, and Y along v.
+    #[inline(always)]
+    pub(super) fn sides(&self) -> [f64; 2] {
+        let ([_, along_u], [_, along_v]) = self.rectangle();
+        [along_u, along_v]
+    }
+
     /// X in the middle and along u, Y in the middle and along v.
     #[inline(always)]
     fn rectangle(&self) -> ([f64; 2], [f64; 2]) {

@@ -124,6 +124,7 @@ impl Patch {
 }
 
 fn of_spline(spline: &SplineSurface) -> Vec<Patch> {
+    let is_polynomial = spline.is_polynomial();
     let [rows, columns] = [0, 1].map(|axis| {
         let knots = &spline.knots[axis];
         let piece = |ends: &[f64]| {
@@ -144,7 +145,12 @@ fn of_spline(spline: &SplineSurface) -> Vec<Patch> {
                 };
                 (0..a.len()).fold(Weighted::ZERO, |sum, r| sum + line(r) * a[r])
             };
-            let points = (0..a.len() * b.len()).map(point).collect();
+            let points = (0..a.len() * b.len()).map(point);
+            // Equal weights leave quotients of polynomials but for rounding: they are made 1.
+            let points = match is_polynomial {
+                true => points.map(|point| Weighted::new(point.project(), 1.0)).collect(),
+                false => points.collect(),
+            };
             patches.push(Patch::new(points, [a.len() - 1, b.len() - 1], [*us, *vs]));
         }
     }
@@ -341,6 +347,7 @@ fn halves(net: &[DVec2], [p, q]: [usize; 2], axis: usize) -> [Vec<DVec2>; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::b_spline::Knots;
 
     #[test]
     fn halves_are_the_map_over_halves() {
@@ -354,6 +361,28 @@ mod tests {
                 let [b, ..] = value(&high, [2, 3], at(t));
                 assert!((a - value(&net, [2, 3], at(0.5 * t))[0]).length() < 1e-13);
                 assert!((b - value(&net, [2, 3], at(0.5 + 0.5 * t))[0]).length() < 1e-13);
+            }
+        }
+    }
+    /// Blossoms of equal weights are equal but for rounding, which would make each piece a quotient.
+    #[test]
+    fn patches_of_equal_weights_have_weights_of_one() {
+        let knots = || {
+            let ends = |x: f64| [0.0, 0.7, 1.1, 1.9, 2.0].map(|knot| knot + x);
+            Knots::new(3.0, &[4.0, 1.0, 1.0, 1.0, 4.0], &ends(0.3), 7).unwrap()
+        };
+        for weight in [1.0, 0.7] {
+            let at = |k: usize| DVec3::new((k / 7) as f64, (k % 7) as f64, (k * k % 11) as f64);
+            let points = (0..49).map(|k| Weighted::new(at(k), weight)).collect();
+            let spline = SplineSurface::new([knots(), knots()], points);
+            let patches = of_spline(&spline);
+            assert_eq!(patches.len(), 16);
+            for patch in &patches {
+                assert!(patch.points.iter().all(|point| point.w == 1.0));
+                let [us, vs] = patch.ranges;
+                let middle = |[from, to]: [f64; 2]| 0.5 * (from + to);
+                let [at, ..] = spline.at(middle(us), middle(vs));
+                assert!((patch.at([0.5; 2]) - at).length() < 1e-13);
             }
         }
     }

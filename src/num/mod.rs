@@ -11,6 +11,7 @@ mod elementary;
 mod float;
 pub mod interval;
 pub mod jet;
+mod knot_search;
 mod lanes;
 pub mod least_bending;
 pub mod least_squares;

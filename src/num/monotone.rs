@@ -1,12 +1,16 @@
 //! The curve through rising or falling points that rises or falls with them, and its inverse.
 
 use super::interval::Interval;
+use super::knot_search::KnotSearch;
 use super::piecewise_cubic::{PiecewiseCubic, chords, cubic, fit_to_use, hulls};
 use super::scalar::{Arithmetic, Scalar, SmoothFn};
 
 /// A knot's slope is at most this many times either chord's. Up to 3 the piece is monotone; with
 /// less, its least slope is above 0.
 const STEEPEST: f64 = 2.5;
+
+/// Share of a root that its last step may leave: a quarter of its last bit.
+const LEFT: f64 = 0.25 * f64::EPSILON;
 
 /// A once differentiable piecewise cubic through points that rise, or fall, and so does it: slopes
 /// by the parabola through each knot and its neighbours, limited as Fritsch and Carlson showed.
@@ -15,9 +19,11 @@ const STEEPEST: f64 = 2.5;
 pub struct MonotoneCubic {
     pub(super) pieces: PiecewiseCubic,
     /// Values at the knots, times `sense`, so that they rise.
-    levels: Vec<f64>,
+    levels: KnotSearch,
     /// 1 if rising, -1 if falling.
     sense: f64,
+    /// Of each piece between knots the slopes of the inverse at its ends, over that of the chord, less 1.
+    bends: Vec<[f64; 2]>,
 }
 
 impl MonotoneCubic {
@@ -47,9 +53,6 @@ impl MonotoneCubic {
                 }
             })
             .collect();
-        let mut borders = vec![f64::NEG_INFINITY];
-        borders.extend(knots);
-        borders.push(f64::INFINITY);
         let mut anchors = vec![knots[0]];
         anchors.extend(knots);
         let mut terms = vec![[values[0], slopes[0], 0.0, 0.0]];
@@ -58,7 +61,10 @@ impl MonotoneCubic {
             [values[k], s, (3.0 * m - 2.0 * s - t) / h[k], (s + t - 2.0 * m) / (h[k] * h[k])]
         }));
         terms.push([values[n], slopes[n], 0.0, 0.0]);
-        Some(Self { pieces: PiecewiseCubic { borders, anchors, terms }, levels, sense })
+        let bends =
+            (0..n).map(|k| [slopes[k], slopes[k + 1]].map(|s| chords[k] / s - 1.0)).collect();
+        let (borders, levels) = (KnotSearch::new(knots.to_vec()), KnotSearch::new(levels));
+        Some(Self { pieces: PiecewiseCubic { borders, anchors, terms }, levels, sense, bends })
     }
 
     /// f at `x`.
@@ -104,33 +110,53 @@ impl Inverse<'_> {
     /// x with f(x) = `y`, but for the last bits.
     #[must_use]
     pub fn value(&self, y: f64) -> f64 {
-        let Self(MonotoneCubic { pieces, levels, sense }) = self;
-        let k = levels.partition_point(|&level| level <= sense * y);
-        let (terms, anchor) = (pieces.terms[k], pieces.anchors[k]);
+        let (k, t) = self.place(y);
+        self.0.pieces.anchors[k] + t
+    }
+
+    /// The piece in which f is `y`, and how far from its anchor.
+    fn place(&self, y: f64) -> (usize, f64) {
+        let Self(MonotoneCubic { pieces, levels, sense, bends }) = self;
+        let k = levels.up_to(sense * y);
+        let terms = pieces.terms[k];
         let rest = y - terms[0];
+        let levels = levels.knots();
         if k == 0 || k == levels.len() {
-            return anchor + rest / terms[1];
+            return (k, rest / terms[1]);
         }
-        // Newton in t = x - anchor for t (b + t (c + t d)) = rest, within the bracket it narrows.
+        // t (b + t (c + t d)) = rest for t = x - anchor, within the bracket that is narrowed.
         let shape = [-rest, terms[1], terms[2], terms[3]];
-        let (mut lo, mut hi) = (0.0, pieces.borders[k + 1] - anchor);
-        let mut t = hi * (sense * rest / (levels[k] - levels[k - 1]));
+        let (mut lo, mut hi) = (0.0, pieces.borders.knots()[k] - pieces.anchors[k]);
+        // It begins where the inverse's own cubic through both ends is.
+        let share = sense * rest / (levels[k] - levels[k - 1]);
+        let [first, last] = bends[k - 1];
+        let off = share * (1.0 - share) * (first * (1.0 - share) - last * share);
+        let mut t = hi * (share + off).clamp(0.0, 1.0);
         for _ in 0..80 {
-            let [f, d, ..] = cubic(shape, t);
+            let [f, d, dd, ddd] = cubic(shape, t);
             if sense * f > 0.0 {
                 hi = t
             } else {
                 lo = t
             }
-            let next = t - f / d;
-            let next = if lo <= next && next <= hi { next } else { 0.5 * (lo + hi) };
-            let step = (next - t).abs();
+            // Chebyshev's step: Newton's, and the second order that it leaves.
+            let per = 1.0 / d;
+            let newton = f * per;
+            let bend = 0.5 * dd * per * newton;
+            let next = t - newton * (1.0 + bend);
+            if !(lo <= next && next <= hi) {
+                t = 0.5 * (lo + hi);
+                continue;
+            }
+            // What it leaves is of third order.
+            let left = newton * (2.0 * bend * bend + (ddd * per).abs() * newton * newton);
+            let is_last = (next - t).abs().min(left.abs()) <= LEFT * next.abs();
             t = next;
-            if step <= f64::EPSILON * t.abs() {
+            if is_last {
                 break;
             }
         }
-        anchor + t
+        (k, t)
     }
 
     /// x(`y`) moved by more than its error, down or up as `side` is -1 or 1.
@@ -155,8 +181,10 @@ impl Inverse<'_> {
 
 impl SmoothFn for Inverse<'_> {
     fn at(&self, y: f64) -> [f64; 3] {
-        let x = self.value(y);
-        let [_, d, dd, _] = self.0.pieces.evaluate(x);
+        let (k, t) = self.place(y);
+        let pieces = &self.0.pieces;
+        let x = pieces.anchors[k] + t;
+        let [_, d, dd, _] = cubic(pieces.terms[k], t);
         [x, 1.0 / d, -dd / (d * d * d)]
     }
 

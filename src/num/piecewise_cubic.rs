@@ -1,15 +1,16 @@
 //! Cubics side by side, and what they range over.
 
 use super::interval::Interval;
+use super::knot_search::KnotSearch;
 
 /// Rounding of an evaluation, as a share of the sum of the terms' sizes.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Cubics side by side. Piece k lies between `borders` k and k + 1 (the outermost are infinite)
+/// Cubics side by side. Piece k lies between the `borders` k - 1 and k, the outermost without end,
 /// and has the coefficients `terms[k]` of the powers of x - `anchors[k]`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PiecewiseCubic {
-    pub(super) borders: Vec<f64>,
+    pub(super) borders: KnotSearch,
     pub(super) anchors: Vec<f64>,
     pub(super) terms: Vec<[f64; 4]>,
 }
@@ -47,16 +48,10 @@ fn cubic_over(terms: [f64; 4], from: f64, to: f64) -> [Interval; 3] {
 }
 
 impl PiecewiseCubic {
-    /// The piece that `x` is in: at a border, the one that begins there.
-    #[inline]
-    fn find(&self, x: f64) -> usize {
-        let inner = &self.borders[1..self.terms.len()];
-        inner.partition_point(|&border| border <= x)
-    }
-
+    /// f and its first three derivatives at `x`: at a border, those of the piece that begins there.
     #[inline]
     pub(super) fn evaluate(&self, x: f64) -> [f64; 4] {
-        let k = self.find(x);
+        let k = self.borders.up_to(x);
         cubic(self.terms[k], x - self.anchors[k])
     }
 
@@ -65,11 +60,12 @@ impl PiecewiseCubic {
         &self,
         [lo, hi]: [f64; 2],
     ) -> impl Iterator<Item = (Interval, [Interval; 3])> {
-        let inner = &self.borders[1..self.terms.len()];
-        let first = inner.partition_point(|&border| border < lo);
-        let last = inner.partition_point(|&border| border <= hi).max(first);
+        let borders = self.borders.knots();
+        let first = borders.partition_point(|&border| border < lo);
+        let last = self.borders.up_to(hi).max(first);
         (first..=last).map(move |k| {
-            let (from, to) = (lo.max(self.borders[k]), hi.min(self.borders[k + 1]));
+            let from = if k > 0 { lo.max(borders[k - 1]) } else { lo };
+            let to = borders.get(k).map_or(hi, |&border| hi.min(border));
             let anchor = self.anchors[k];
             (Interval::new(from, to), cubic_over(self.terms[k], from - anchor, to - anchor))
         })

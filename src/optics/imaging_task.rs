@@ -243,7 +243,7 @@ impl ImagingTask {
     /// The unit direction that image point `q`, on any panel, must see from the mirror point `at`.
     #[must_use]
     pub fn direction_of(&self, q: DVec2, at: DVec3) -> DVec3 {
-        self.direction_of_turned(q, self.turn(q.x), at)
+        self.direction_of_turned(q, (self.turn(q.x), self.rise(q.y)), at)
     }
 
     /// What image points at X share: of a strip sine and cosine of their azimuth.
@@ -259,14 +259,28 @@ impl ImagingTask {
         }
     }
 
-    /// [`ImagingTask::direction_of`] of an image point of which the turn is known.
+    /// What image points at Y, on any panel, share: of a strip the length of the stereographic coordinate of what they
+    /// must see.
+    #[inline]
     #[must_use]
-    pub fn direction_of_turned(&self, q: DVec2, turn: [f64; 2], at: DVec3) -> DVec3 {
+    pub fn rise(&self, y: f64) -> f64 {
+        match &self.projection {
+            Projection::Strip(strip) => strip.rise(y * self.flip(DVec2::new(0.0, y)).y),
+            Projection::Radial { .. }
+            | Projection::Azimuthal(_)
+            | Projection::Map(_)
+            | Projection::Panels(_) => 1.0,
+        }
+    }
+
+    /// [`ImagingTask::direction_of`] of an image point of which turn and rise are known.
+    #[must_use]
+    pub fn direction_of_turned(&self, q: DVec2, (turn, rise): ([f64; 2], f64), at: DVec3) -> DVec3 {
         let flip = self.flip(q);
         let (q, at) = (q * flip.truncate(), at * flip);
         let from = self.relative(at.to_array());
         let wanted = match &self.projection {
-            Projection::Strip(strip) => strip.direction_of_turned(q.y, turn),
+            Projection::Strip(_) => turn.map(|x| x * rise),
             other => other.direction_of(q.to_array()),
         };
         flip * stereographic::direction(self.target.direction_at(from, wanted))

@@ -145,6 +145,7 @@ impl PictureMap {
     }
 
     /// Whether image points are chart coordinates.
+    #[inline]
     #[must_use]
     pub fn is_identity(&self) -> bool {
         self.plane.is_none() && self.lens.is_none()

@@ -40,11 +40,10 @@ impl Strip {
         [sin(azimuth), cos(azimuth)]
     }
 
-    /// [`Self::direction_of`] of a place of which the turn is known.
+    /// Length of the stereographic coordinate of what the picture shows at Y.
     #[inline]
-    pub(super) fn direction_of_turned(&self, y: f64, [s, c]: [f64; 2]) -> [f64; 2] {
-        let radius = self.law.stereographic_radius(y / self.scale_mm + self.z);
-        [radius * s, radius * c]
+    pub(super) fn rise(&self, y: f64) -> f64 {
+        self.law.stereographic_radius(y / self.scale_mm + self.z)
     }
 
     /// [`Self::image_of`] near a place of which the turn is known.

@@ -43,9 +43,14 @@ impl ThinnedFrame {
     }
 
     /// Of the values of all pixels of some rows, those of the map's.
-    pub fn thin<T: Copy>(&self, rows: Range<usize>, values: &[T]) -> impl Iterator<Item = T> {
-        let (first, width) = (rows.start, self.frame[0] as usize);
-        let line = move |row: usize| self.columns().map(move |x| values[(row - first) * width + x]);
+    pub fn thin<'a, T>(
+        &self,
+        rows: Range<usize>,
+        values: &'a [T],
+    ) -> impl Iterator<Item = &'a T> + use<'a, T> {
+        let (first, width, thinned) = (rows.start, self.frame[0] as usize, *self);
+        let line =
+            move |row: usize| thinned.columns().map(move |x| &values[(row - first) * width + x]);
         self.rows(rows).flat_map(line)
     }
 }
@@ -64,7 +69,7 @@ mod tests {
             let strip = |rows: Range<usize>| {
                 let all =
                     rows.clone().flat_map(|row| (0..width as usize).map(move |x| place(row, x)));
-                thinned.thin(rows, &all.collect::<Vec<_>>()).collect::<Vec<_>>()
+                thinned.thin(rows, &all.collect::<Vec<_>>()).copied().collect::<Vec<_>>()
             };
             let whole = strip(0..50);
             assert_eq!(whole.len(), columns as usize * rows as usize);

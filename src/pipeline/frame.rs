@@ -50,8 +50,8 @@ impl Command for FrameOptions {
             let rows = strip.rows.start as u32..strip.rows.end as u32;
             let usr = solid_angles(&design, [0..camera.pixels[0], rows]);
             resolution.add(usr.iter().map(|usr| (*usr, 1)));
-            map.extend(thinned.thin(strip.rows.clone(), classes));
-            map_usr.extend(thinned.thin(strip.rows.clone(), &usr));
+            map.extend(thinned.thin(strip.rows.clone(), classes).copied());
+            map_usr.extend(thinned.thin(strip.rows.clone(), &usr).copied());
         })?;
         let Some(frame) = frame else { return Err(no_projection(profile)) };
         let coverage = run.timer.always(Stage::Coverage, || {

@@ -111,8 +111,8 @@ impl ErrorMapBuilder {
         let error = |pixel: &PixelTrace| {
             Some(pixel.errors?.image_mm / self.pixel_mm).filter(|px| px.is_finite())
         };
-        let line: Vec<Option<f64>> = strip.traced.pixels.iter().map(error).collect();
-        self.errors.extend(self.thinned.thin(strip.rows.clone(), &line));
+        let pixels = self.thinned.thin(strip.rows.clone(), &strip.traced.pixels);
+        self.errors.extend(pixels.map(error));
     }
 
     /// The errors, or, where nothing was traced, those of the designed mirror.

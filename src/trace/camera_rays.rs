@@ -1,5 +1,6 @@
 //! The rays through the pixel centres of a camera.
 
+use super::band_depths::band_rows;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::optics::{Camera, ChartedFrame};
 use crate::parallel;
@@ -79,6 +80,11 @@ impl CameraRays {
         Arc::new(Self { charted: Some(ChartedRows { first, points }), ..Self::clone(self) })
     }
 
+    /// Rows of a band.
+    pub(super) fn band_rows(&self) -> usize {
+        band_rows(self.camera.pixels[0] as usize)
+    }
+
     /// Image point of a pixel's centre, mm.
     #[inline]
     pub(super) fn image_point(&self, column: usize, row: usize) -> DVec2 {
@@ -108,18 +114,17 @@ impl CameraRays {
     /// Chart coordinates of the ray through a pixel's centre, mm.
     #[inline]
     fn charted(&self, column: usize, row: usize) -> DVec2 {
-        self.frame.chart_point(self.image_point(column, row))
+        let image = self.image_point(column, row);
+        if self.camera.picture.is_identity() { image } else { self.frame.chart_point(image) }
     }
 
     /// Point at distance `t` on the ray of a pixel, mm.
     #[inline]
     pub(super) fn point(&self, column: usize, row: usize, t: f64) -> DVec3 {
-        let Ray { origin, direction } = self.at(column, row);
         // (Nothing is left of the product of vertical rays.)
         if self.camera.chart.is_plan() && self.camera.picture.is_identity() {
-            origin.with_z(origin.z - t)
-        } else {
-            origin + direction * t
+            return self.image_point(column, row).extend(self.top_mm - t);
         }
+        self.at(column, row).at(t)
     }
 }

@@ -4,7 +4,6 @@
 //! The rasterizer intersects a facet with the rays of the pixel centres near its picture by the same
 //! arithmetic, to the last bit, as the general search; so both answer alike.
 
-use super::band_depths::BAND_ROWS;
 use super::camera_rays::CameraRays;
 use super::ray_end::{Outcome, RayEnd};
 use super::scene::LeavingRay;
@@ -105,7 +104,7 @@ impl<'a> CameraTrace<'a> {
         let first = rows.start;
         let tracer = self.tracer(rows);
         let found = parallel::map_chunks_mut(ends, self.band_pixels(), |number, ends| {
-            tracer.trace_band(first + number * BAND_ROWS, ends)
+            tracer.trace_band(first + number * self.rays.band_rows(), ends)
         });
         let (counts, undecided) = gathered(found);
         for (pixel, outcome) in self.occluded(first, &undecided) {
@@ -119,8 +118,9 @@ impl<'a> CameraTrace<'a> {
     #[must_use]
     pub fn strips(&self) -> Vec<Range<usize>> {
         let [columns, rows] = self.pixels().map(|n| n as usize);
-        let bands = (self.strip_pixels / (columns * BAND_ROWS)).max(Self::LEAST_BANDS);
-        let step = if columns * rows <= self.strip_pixels { rows } else { bands * BAND_ROWS };
+        let bands = (self.strip_pixels / self.band_pixels()).max(Self::LEAST_BANDS);
+        let whole = columns * rows <= self.strip_pixels;
+        let step = if whole { rows } else { bands * self.rays.band_rows() };
         (0..rows).step_by(step.max(1)).map(|first| first..(first + step).min(rows)).collect()
     }
 
@@ -133,7 +133,8 @@ impl<'a> CameraTrace<'a> {
     /// of a slice's pixels stays in the processor's cache and its memory is used again.
     pub(super) fn slices(&self, rows: Range<usize>) -> Vec<Range<usize>> {
         let bands = Self::SLICE_PIXELS / self.band_pixels();
-        let step = bands.max(Self::LEAST_SLICE).max(2 * parallel::threads()) * BAND_ROWS;
+        let step =
+            bands.max(Self::LEAST_SLICE).max(2 * parallel::threads()) * self.rays.band_rows();
         rows.clone().step_by(step).map(|first| first..(first + step).min(rows.end)).collect()
     }
 
@@ -180,7 +181,7 @@ impl<'a> CameraTrace<'a> {
         let scratch = ScratchPool::default();
         let band = |number: usize, out: &mut [T], ends: &mut Vec<RayEnd>| {
             ends.resize(out.len(), RayEnd::MISSED);
-            let first = first_row + number * BAND_ROWS;
+            let first = first_row + number * self.rays.band_rows();
             let found = tracer.trace_band(first, ends);
             (found, each(first, ends, out))
         };
@@ -216,8 +217,8 @@ impl<'a> CameraTrace<'a> {
     }
 
     /// Pixels of a band of rows.
-    fn band_pixels(&self) -> usize {
-        self.pixels()[0] as usize * BAND_ROWS
+    pub(super) fn band_pixels(&self) -> usize {
+        self.pixels()[0] as usize * self.rays.band_rows()
     }
 
     /// Whether the camera's rays start outside the part.

@@ -1,6 +1,6 @@
 //! Facets rasterized over the pixel centres of a camera, with a depth test.
 
-use super::band_depths::{BAND_ROWS, BandDepths, greater};
+use super::band_depths::{BandDepths, greater};
 use super::camera_rays::CameraRays;
 use super::fragment::{Fragment, PixelSpan};
 use super::pixel_table::PixelTable;
@@ -75,15 +75,15 @@ struct ChunkHits {
 }
 
 impl ChunkHits {
-    /// Sorts hits (distance and fragment) by bands of the rows from the first up to the last.
+    /// Sorts hits (distance and fragment) by bands of so many of the rows from the first up to the last.
     fn new(
         mesh: &TriMesh,
-        [first, last]: [usize; 2],
+        ([first, last], band_rows): ([usize; 2], usize),
         found: &[(f64, Fragment)],
         large: Vec<LargeFacet>,
     ) -> Self {
-        let band = |fragment: Fragment| (usize::from(fragment.parts().2) - first) / BAND_ROWS;
-        let mut start = vec![0; (last - first).div_ceil(BAND_ROWS) + 2];
+        let band = |fragment: Fragment| (usize::from(fragment.parts().2) - first) / band_rows;
+        let mut start = vec![0; (last - first).div_ceil(band_rows) + 2];
         for &(_, fragment) in found {
             start[band(fragment) + 2] += 1;
         }
@@ -132,17 +132,17 @@ pub(super) struct Rasterizer<'a> {
     chunks: Vec<ChunkHits>,
 }
 
-/// Shades a pixel with a hit if that is nearer than what it has.
+/// Shades a pixel of a band, from row `first` on, with a hit if that is nearer than what it has.
 #[inline(always)]
 fn depth_test(
     &FragmentHit { t, fragment, normal }: &FragmentHit,
-    columns: usize,
+    (first, columns): (usize, usize),
     ends: &mut [RayEnd],
     shade: &impl Fn(PixelHit) -> RayEnd,
 ) {
     let (facet, column, row) = fragment.parts();
     let [column, row] = [column, row].map(usize::from);
-    let end = &mut ends[row % BAND_ROWS * columns + column];
+    let end = &mut ends[(row - first) * columns + column];
     if t < end.t || (t == end.t && facet < end.facet) {
         *end = shade(PixelHit { column, row, t, facet, normal });
     }
@@ -295,7 +295,7 @@ impl<'a> Rasterizer<'a> {
                 count += usize::from(meets);
             }
         }
-        ChunkHits::new(self.mesh, self.rows, &hits[..count], large)
+        ChunkHits::new(self.mesh, (self.rows, self.rays.band_rows()), &hits[..count], large)
     }
 
     /// Writes the fragments of small facets from `first` on into `fragments`, and returns their number;
@@ -369,8 +369,8 @@ impl<'a> Rasterizer<'a> {
             unwanted.for_each(|(end, _)| *end = nearest);
         }
         for chunk in &self.chunks {
-            for hit in chunk.band((first - self.rows[0]) / BAND_ROWS) {
-                depth_test(hit, columns, ends, &shade);
+            for hit in chunk.band((first - self.rows[0]) / self.rays.band_rows()) {
+                depth_test(hit, (first, columns), ends, &shade);
             }
         }
         let depths = BandDepths::new(ends, columns);
@@ -410,7 +410,8 @@ impl<'a> Rasterizer<'a> {
                 if meets {
                     let fragment = Fragment::new(large.facet, column as u16, row as u16);
                     let normal = self.mesh.area_vector(large.facet as usize);
-                    depth_test(&FragmentHit { t, fragment, normal }, columns, ends, shade);
+                    let hit = FragmentHit { t, fragment, normal };
+                    depth_test(&hit, (first, columns), ends, shade);
                 }
             }
         }

@@ -1,7 +1,6 @@
 //! Samples of some pixels of a camera: the nearest facets of their rays, which are rasterized as those of the
 //! pixels' centres are, with the answers of a search for each.
 
-use super::band_depths::BAND_ROWS;
 use super::camera_rays::CameraRays;
 use super::rasterizer::{PixelHit, Rasterizer};
 use super::ray_end::{RayEnd, reflect_at_facet};
@@ -77,12 +76,13 @@ impl<'a> SampleTrace<'a> {
     /// `ends`; of those that are not wanted they mean nothing. The rows begin a multiple of 32 after the first
     /// that is traced.
     pub fn ends_into(&self, rows: Range<usize>, ends: &mut Vec<RayEnd>) {
-        debug_assert_eq!((rows.start - self.rows.start) % BAND_ROWS, 0);
+        let band_rows = self.rays.rays.band_rows();
+        debug_assert_eq!((rows.start - self.rows.start) % band_rows, 0);
         let (columns, side) = (self.rays.rays.camera.pixels[0] as usize, self.rays.side as usize);
         let (first, rays) = (rows.start * side, self.rasterizer.rays());
         ends.resize(columns * rows.len() * side, RayEnd::MISSED);
-        for (band, ends) in ends.chunks_mut(columns * BAND_ROWS).enumerate() {
-            self.rasterizer.draw(first + band * BAND_ROWS, ends, |hit| {
+        for (band, ends) in ends.chunks_mut(columns * band_rows).enumerate() {
+            self.rasterizer.draw(first + band * band_rows, ends, |hit| {
                 let PixelHit { column, row, t, facet, normal } = hit;
                 let along = rays.at(column, row).direction;
                 let (outcome, direction) = reflect_at_facet(along, normal);

@@ -1,6 +1,5 @@
 //! One ray per pixel: its end, its reflected direction, and how far that is from the expected one.
 
-use super::band_depths::BAND_ROWS;
 use super::camera_trace::CameraTrace;
 use super::digest::Digest;
 use super::pixel_trace::{PixelTrace, RayErrors};
@@ -12,6 +11,7 @@ use super::tracer::Tracer;
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
 use crate::optics::{ImagingTask, reflect};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Expected reflection of one camera ray: an entry of the table that the witness is handed.
@@ -46,6 +46,7 @@ impl TraceResult {
         let mut pixels = Vec::new();
         let rows = 0..trace.pixels()[1] as usize;
         let tracer = trace.tracer(rows.clone());
+        let table = ExpectedRows { table: &table, known: None };
         let (counts, _) = comparison.trace((trace, &tracer), rows, &table, &mut pixels);
         (Self { pixels }, counts)
     }
@@ -109,25 +110,25 @@ impl TraceStrip {
     ) -> TraceCounts {
         let comparison = Comparison::new(trace, normals, task);
         let frame = trace.pixels().map(|n| n as usize);
-        let aimed = |row: Option<usize>| match row {
-            Some(row) if row < frame[1] => {
-                let expected = table(row as u32, &trace.rays().charted_row(row));
-                expected.iter().map(|ray| ray.aimed).collect()
-            }
-            _ => Vec::new(),
-        };
+        let mut table = ExpectedRows { table: &table, known: None };
         let (mut counts, mut pixels) = (TraceCounts::default(), Vec::new());
+        let mut above = Vec::new();
         for rows in trace.strips() {
             let tracer = trace.tracer(rows.clone());
             for rows in trace.slices(rows) {
                 let with = (trace, &tracer);
                 let (found, digests) = comparison.trace(with, rows.clone(), &table, &mut pixels);
                 counts = counts + found;
-                let aimed_beside = [aimed(rows.start.checked_sub(1)), aimed(Some(rows.end))];
+                let below = (rows.end < frame[1])
+                    .then(|| (rows.end, table.row(rows.end, &trace.rays().charted_row(rows.end))));
+                let aimed_below = below.iter().flat_map(|(_, row)| row.iter().map(|ray| ray.aimed));
+                let aimed_beside = [above, aimed_below.collect()];
                 let traced = TraceResult { pixels };
                 let strip = Self { frame, rows, traced, digests, aimed_beside };
                 each(&strip);
                 pixels = strip.traced.pixels;
+                above = pixels[pixels.len() - frame[0]..].iter().map(|pixel| pixel.aimed).collect();
+                table.known = below.map(|(row, rays)| (row, rays.into_owned()));
             }
         }
         counts
@@ -146,6 +147,22 @@ impl TraceStrip {
         }
         let beside = &self.aimed_beside[usize::from(row >= self.rows.end)];
         beside.get(column).copied().unwrap_or(false)
+    }
+}
+
+/// The table of expected rays, row by row, of which one row may be known already.
+struct ExpectedRows<'a, T> {
+    table: &'a T,
+    known: Option<(usize, Vec<ExpectedRay>)>,
+}
+
+impl<T: Fn(u32, &[DVec2]) -> Vec<ExpectedRay> + Sync> ExpectedRows<'_, T> {
+    /// The expected rays of a row, from the chart coordinates of its camera rays.
+    fn row(&self, row: usize, charted: &[DVec2]) -> Cow<'_, [ExpectedRay]> {
+        match &self.known {
+            Some((known, rays)) if *known == row => rays.into(),
+            _ => (self.table)(row as u32, charted).into(),
+        }
     }
 }
 
@@ -180,7 +197,7 @@ impl<'a> Comparison<'a> {
         &self,
         (trace, tracer): (&CameraTrace, &Tracer),
         rows: Range<usize>,
-        table: &(impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> + Sync),
+        table: &ExpectedRows<impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> + Sync>,
         pixels: &mut Vec<PixelTrace>,
     ) -> (TraceCounts, Vec<Digest>) {
         let rays = tracer.rays();
@@ -193,8 +210,8 @@ impl<'a> Comparison<'a> {
             let rows = pixels.chunks_mut(columns).zip(ends.chunks(columns));
             let mut digest = room(ends.len());
             for (row, (pixels, ends)) in (first..).zip(rows) {
-                let expected = table(row as u32, &rays.charted_row(row));
-                for (column, (pixel, expected)) in pixels.iter_mut().zip(&expected).enumerate() {
+                let expected = table.row(row, &rays.charted_row(row));
+                for (column, (pixel, expected)) in pixels.iter_mut().zip(&*expected).enumerate() {
                     let ray = (rays.at(column, row), rays.image_point(column, row));
                     *pixel = self.compare((column, ray), expected, &ends[column]);
                 }
@@ -204,7 +221,7 @@ impl<'a> Comparison<'a> {
             digest
         };
         let (counts, mut digests, occluded) = trace.bands(tracer, rows, pixels, band);
-        let size = columns * BAND_ROWS;
+        let size = trace.band_pixels();
         for of_band in occluded.chunk_by(|(a, _), (b, _)| a / size == b / size) {
             for &(pixel, outcome) in of_band {
                 let pixel = &mut pixels[pixel];

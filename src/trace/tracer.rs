@@ -1,6 +1,6 @@
 //! The rays of bands of rows, traced with the shortcuts that a part allows.
 
-use super::band_depths::BAND_ROWS;
+use super::band_depths::RUN;
 use super::camera_rays::CameraRays;
 use super::occlusion::{OcclusionProof, RayPacket};
 use super::rasterizer::{PixelHit, Rasterizer};
@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Side of the smallest squares of pixels whose reflected rays are proven unoccluded together; the
-/// largest are as high as a band.
+/// largest are as wide as a run.
 const SMALLEST_SQUARE: usize = 2;
 
 /// A pixel, counted from the first of some rows, and the end of its ray, whose reflected ray has still to be
@@ -170,8 +170,8 @@ impl OcclusionPass<'_, '_> {
     fn run(&mut self) {
         let columns = self.columns;
         let rows = self.ends.len() / columns;
-        for left in (0..columns).step_by(BAND_ROWS) {
-            self.square([left, 0], [(left + BAND_ROWS).min(columns), rows]);
+        for left in (0..columns).step_by(RUN) {
+            self.square([left, 0], [(left + RUN).min(columns), rows]);
         }
     }
 

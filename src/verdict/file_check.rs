@@ -319,6 +319,7 @@ pub(crate) fn expected_rays(
         let image_point =
             |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let points: Vec<DVec2> = (0..columns).map(image_point).collect();
+        let rise = view.as_ref().map_or(1.0, |view| view.rise(image_point(0).y));
         let under = |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q);
         let places: Vec<DVec2> =
             charted.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
@@ -337,7 +338,7 @@ pub(crate) fn expected_rays(
             let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
             expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);
             if let (true, Some(view)) = (expected.aimed, view) {
-                expected.direction = view.direction_of_turned(point, turn, at);
+                expected.direction = view.direction_of_turned(point, (turn, rise), at);
                 let seen = reflect(arriving, normal);
                 expected.designed = view.image_of_turned(at, seen, point, turn);
             }

@@ -6,6 +6,7 @@
 //! camera their back are hidden: it is outside the closed body (docs/theory.md, T121).
 
 mod block;
+mod newton;
 mod tile;
 
 use super::Body;
@@ -87,17 +88,19 @@ impl<'a> ChartedBody<'a> {
     /// the column of every ray that meets it, the ray and the hit.
     pub fn meet(&self, rows: &[&[DVec2]], mut each: impl FnMut([usize; 2], &Ray, ChartedHit)) {
         let near = self.pieces.near(&ChartBox::of_rays(rows));
+        let mut block = Block::empty();
         for (number, rows) in rows.chunks(ROWS).enumerate() {
             let near = near.near(&ChartBox::of_rays(rows));
             for first in (0..rows[0].len()).step_by(COLUMNS) {
-                let block = self.met(&near, Block::new(rows, first));
+                block.begin(rows, first);
+                self.meet_block(&near, &mut block);
                 let [lo, hi] = block.bounds;
                 let unproven = near.unproven.iter().filter(|region| region.bounds.meets(lo, hi));
                 let unproven: Vec<&Region> = unproven.copied().collect();
                 for column in 0..block.columns {
                     for row in 0..rows.len() {
-                        let hit =
-                            self.hit(&unproven, block.rays[column][row], &block.found[column][row]);
+                        let found = block.found(column, row);
+                        let hit = self.hit(&unproven, block.ray(column, row), found);
                         let Some((ray, hit)) = hit else { continue };
                         each([number * ROWS + row, first + column], &ray, hit);
                     }
@@ -106,8 +109,8 @@ impl<'a> ChartedBody<'a> {
         }
     }
 
-    /// A block with what its rays meet of tiles and planes.
-    fn met(&self, near: &Near, mut block: Block) -> Block {
+    /// Adds to a block what its rays meet of tiles and planes.
+    fn meet_block(&self, near: &Near, block: &mut Block) {
         let [lo, hi] = block.bounds;
         let mut lowest = f64::NEG_INFINITY;
         for tile in near.tiles.iter().filter(|tile| tile.bounds.meets(lo, hi)) {
@@ -121,11 +124,10 @@ impl<'a> ChartedBody<'a> {
         }
         for plane in near.planes.iter().filter(|plane| plane.bounds.meets(lo, hi)) {
             if plane.bounds.top + ABOVE_MM >= lowest {
-                self.meet_plane(plane, &mut block);
+                self.meet_plane(plane, block);
                 lowest = block.lowest();
             }
         }
-        block
     }
 
     fn meet_plane(&self, plane: &Region, block: &mut Block) {
@@ -133,16 +135,16 @@ impl<'a> ChartedBody<'a> {
         let Some((at, normal)) = face.plane() else { return };
         for column in 0..block.columns {
             for row in 0..ROWS {
-                let q = block.rays[column][row];
+                let q = block.ray(column, row);
                 if !plane.bounds.holds(q) {
                     continue;
                 }
                 let ray = self.chart.ray(q, self.top_mm);
                 let place = ray.at((at - ray.origin).dot(normal) / ray.direction.dot(normal));
                 let up = place.z - self.chart.plane_mm;
-                let found = &mut block.found[column][row];
-                if up > found.up && face.holds(0, [0.0; 2], place) {
-                    *found = Found { up, face: plane.face, normal };
+                let before = block.found(column, row).map_or(f64::NEG_INFINITY, |found| found.up);
+                if up > before && face.holds(0, [0.0; 2], place) {
+                    block.set(column, row, &Found { up, face: plane.face, normal });
                 }
             }
         }
@@ -150,11 +152,17 @@ impl<'a> ChartedBody<'a> {
 
     /// The ray at chart coordinates, and what it meets: of tiles and planes what was found.
     #[inline]
-    fn hit(&self, unproven: &[&Region], q: DVec2, found: &Found) -> Option<(Ray, ChartedHit)> {
+    fn hit(
+        &self,
+        unproven: &[&Region],
+        q: DVec2,
+        found: Option<Found>,
+    ) -> Option<(Ray, ChartedHit)> {
+        let up = found.map_or(f64::NEG_INFINITY, |found| found.up);
         let may_be_met =
-            |region: &&Region| region.bounds.holds(q) && region.bounds.top + ABOVE_MM >= found.up;
+            |region: &&Region| region.bounds.holds(q) && region.bounds.top + ABOVE_MM >= up;
         let is_searched = unproven.iter().any(may_be_met);
-        if !is_searched && found.face == Found::NOTHING.face {
+        if !is_searched && found.is_none() {
             return None;
         }
         let ray = self.chart.ray(q, self.top_mm);
@@ -162,6 +170,7 @@ impl<'a> ChartedBody<'a> {
             let hit = self.body.nearest_hit(&ray, 0.0, f64::INFINITY)?;
             return Some((ray, ChartedHit { t: hit.t, face: hit.face, normal: hit.normal }));
         }
+        let found = found?;
         let t = (found.up + self.chart.plane_mm - ray.origin.z) / ray.direction.z;
         Some((ray, ChartedHit { t, face: found.face, normal: found.normal }))
     }

@@ -97,6 +97,17 @@ pub(super) struct Tile {
     pub powers: Powers,
 }
 
+impl Tile {
+    /// The patch's parameters at those of the tile.
+    #[inline]
+    pub(super) fn of_patch(&self, place: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let [from, to] = self.part[k];
+            from + (to - from) * place[k]
+        })
+    }
+}
+
 /// Whether a one to one picture shows the side of the derivatives' normal, or none is proven.
 pub(super) fn proven_side(net: &Net, bounds: &ChartBox, chart: &Chart) -> Option<bool> {
     let (middle, half) = (0.5 * (bounds.lo + bounds.hi), 0.5 * bounds.size());

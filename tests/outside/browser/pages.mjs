@@ -5,12 +5,10 @@
 import { readFileSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { createRequire } from "node:module";
-import { chromium } from "playwright-core";
+import { launched } from "./session.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const [shots, ...pages] = process.argv.slice(2);
-const flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-  "--ignore-gpu-blocklist"];
 
 // What is wrong with a page, and how it looks.
 async function faults(browser, file, { width, colorScheme }) {
@@ -70,8 +68,7 @@ if (!shots || pages.length === 0) {
   console.error("usage: node pages.mjs SCREENSHOTS PAGE.html...");
   process.exit(2);
 }
-const executablePath = process.env.CHROMIUM || "/usr/bin/chromium";
-const browser = await chromium.launch({ executablePath, args: flags });
+const browser = await launched();
 let failed = 0;
 for (const file of pages) {
   for (const looks of [{ width: 1280, colorScheme: "light" }, { width: 360, colorScheme: "dark" }]) {

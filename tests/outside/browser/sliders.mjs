@@ -1,27 +1,11 @@
 // How long the studio's picture takes to follow a slider, in Chromium: the median of seven changes of the part's width by half a percent.
 //
-// usage: node sliders.mjs PROFILE...
-//
-// MORION names the program, CHROMIUM the browser. Figures are of an idle machine, or mean nothing.
-import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
-import { chromium } from "playwright-core";
+// usage: node sliders.mjs PROFILE..., with the names of session.mjs; figures are of an idle machine, or mean nothing
+import { withStudio } from "./session.mjs";
 
 const CHANGES = 7;
-const folder = mkdtempSync(join(tmpdir(), "sliders-"));
-const program = process.env.MORION || "morion";
-const child = spawn(program, ["studio", "--no-open", "--out", folder], { stdio: ["ignore", "pipe", "inherit"] });
-const address = await new Promise((found) => child.stdout.once("data", (line) => found(String(line).trim())));
 
-let browser;
-try {
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-  });
-  const page = await browser.newPage({ viewport: { width: 1500, height: 1000 } });
+await withStudio(async (page, address) => {
   // At rest the whole picture and the part are there, and nothing more is asked for.
   let last = Date.now();
   page.on("request", () => { last = Date.now(); });
@@ -61,8 +45,4 @@ try {
     times.sort((a, b) => a - b);
     console.log(name.padEnd(24) + "median " + times[CHANGES >> 1].toFixed(0).padStart(4) + " ms, most " + times[CHANGES - 1].toFixed(0) + " ms");
   }
-} finally {
-  await browser?.close();
-  child.kill();
-  rmSync(folder, { recursive: true, force: true });
-}
+});

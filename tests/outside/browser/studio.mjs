@@ -1,32 +1,17 @@
 // Drives the page of `morion studio` in Chromium: a slider, the text, a pixel, hostile text, a build and its end.
 //
-// usage: node studio.mjs [SCREENSHOTS]
-//
-// MORION names the program, CHROMIUM the browser.
-import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+// usage: node studio.mjs [SCREENSHOTS], with the names of session.mjs
 import { join } from "node:path";
-import { chromium } from "playwright-core";
+import { withStudio } from "./session.mjs";
 
 const shots = process.argv[2];
-const folder = mkdtempSync(join(tmpdir(), "studio-"));
-const program = process.env.MORION || "morion";
-const child = spawn(program, ["studio", "--no-open", "--out", folder], { stdio: ["ignore", "pipe", "inherit"] });
-const address = await new Promise((found) => child.stdout.once("data", (line) => found(String(line).trim())));
 
 function hold(is, said) {
   if (!is) throw new Error(said);
   console.log("ok  ", said);
 }
 
-let browser;
-try {
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-  });
-  const page = await browser.newPage({ viewport: { width: 1500, height: 1000 } });
+await withStudio(async (page, address) => {
   const faults = [];
   const elsewhere = [];
   page.on("pageerror", (error) => faults.push(error.message));
@@ -128,8 +113,4 @@ try {
   await shot("narrow");
   hold(faults.length === 0, "no fault of the page: " + faults);
   hold(elsewhere.length === 0, "nothing comes from elsewhere: " + elsewhere);
-} finally {
-  await browser?.close();
-  child.kill();
-  rmSync(folder, { recursive: true, force: true });
-}
+});
