@@ -364,6 +364,7 @@ mod tests {
             }
         }
     }
+
     /// Blossoms of equal weights are equal but for rounding, which would make each piece a quotient.
     #[test]
     fn patches_of_equal_weights_have_weights_of_one() {

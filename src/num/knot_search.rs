@@ -16,8 +16,7 @@ impl KnotSearch {
         let range = knots.last().zip(knots.first()).map_or(0.0, |(last, first)| last - first);
         let scale = knots.len() as f64 / range;
         let mut search = Self { knots, scale, before: Vec::new() };
-        let mut slots = Vec::with_capacity(search.knots.len());
-        slots.extend(search.knots.iter().map(|&knot| search.slot(knot)));
+        let slots: Vec<usize> = search.knots.iter().map(|&knot| search.slot(knot)).collect();
         search.before =
             (0..=search.knots.len()).map(|slot| slots.partition_point(|&at| at < slot)).collect();
         search

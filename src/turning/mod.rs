@@ -106,16 +106,16 @@ pub enum TurningError {
     },
     /// More points than a table may have.
     #[error(
-        "{what} would take more than {most:.0e} points: take a larger program.chord_um{}",
-        feed.map_or(String::new(), |(key, mm)| format!(", or a program.{key} of {mm} mm or more"))
+        "{what} would take more than {most:.0e} points: take a larger program.chord_um, or a program.{} of {} mm or more",
+        feed.0, feed.1
     )]
     Points {
         /// Which operation.
         what: &'static str,
         /// The most.
         most: f64,
-        /// The key of its feed and the least that will do, mm; none where no feed does.
-        feed: Option<(&'static str, f64)>,
+        /// The key of its feed and the least that will do, mm.
+        feed: (&'static str, f64),
     },
     /// The nose does not fit.
     #[error(

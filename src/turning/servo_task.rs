@@ -278,6 +278,6 @@ fn many(asked: AskedOperation, count: f64) -> TurningError {
     TurningError::Points {
         what: asked.kind.name(),
         most: MOST,
-        feed: Some((key, rounded_up(asked.feed_mm * count / MOST))),
+        feed: (key, rounded_up(asked.feed_mm * count / MOST)),
     }
 }
