@@ -3,11 +3,12 @@
 use morion::internals::align::align;
 use morion::internals::design::{Design, design};
 use morion::internals::export::ImportedMesh;
-use morion::internals::geom::{DVec2, DVec3, Welder};
+use morion::internals::geom::{DVec3, Welder};
+use morion::internals::optics::ShownContent;
 use morion::internals::pipeline::{Silent, verify};
 use morion::internals::profile::Profile;
 use morion::internals::solid::check;
-use morion::internals::trace::{CameraTrace, ExpectedRay, Outcome, Scene, TraceResult};
+use morion::internals::trace::{CameraTrace, ExpectedRay, Outcome, PixelRay, Scene, TraceResult};
 use std::sync::LazyLock;
 use tempfile::tempdir;
 
@@ -81,8 +82,9 @@ fn traced(read: &ImportedMesh) {
     let Some((lo, hi)) = scene.bounds() else { return };
     let top = hi.z + (hi - lo).max_element();
     let camera = &DESIGN.camera;
-    let expected = ExpectedRay { aimed: true, direction: DVec3::Z, designed: DVec2::ZERO };
-    let table = |_, _: &[_]| vec![expected; camera.pixels[0] as usize];
+    let nothing = ShownContent::NONE;
+    let expected = ExpectedRay { aimed: true, direction: DVec3::Z, designed: nothing };
+    let table = |_, rays: &[PixelRay]| vec![expected; rays.len()];
     let view = DESIGN.view.as_ref();
     let trace = CameraTrace::new(&scene, camera, top);
     let (at_once, _) = TraceResult::new(&trace, None, view, table);

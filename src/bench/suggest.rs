@@ -91,7 +91,7 @@ fn reached(
         let design = designed(&source)?;
         let triangles = meshed(&run, &design)?.0.made.mesh.triangles.len();
         let time_ms = 1e3 * began.elapsed().as_secs_f64();
-        let found = build_in_memory(&run, &design, &mut |_, _| {})?.pixel_error_px;
+        let found = build_in_memory(&run, &design, &mut |_| {})?.pixel_error_px;
         let Some(Summary { rms: pixel_rms_px, .. }) = found else { return Ok(None) };
         if pixel_rms_px <= target_px {
             best = Some(SuggestedSettings {

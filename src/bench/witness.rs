@@ -1,10 +1,9 @@
 //! Rays of the witness against the error of the pixel error that it finds.
 
 use super::{BenchError, BenchSweep, BenchTime, Subject, convergence_order, run, timed};
-use crate::design::Design;
 use crate::pipeline::{Run, Silent, build_in_memory};
 use crate::trace::{CameraTrace, Scene, TraceStrip, TraceSummary};
-use crate::verdict::expected_rays;
+use crate::verdict::{expected_rays, wanted_picture};
 use std::convert::Infallible;
 
 /// Pixels to the side, as shares of the camera's own; and those of the truth.
@@ -20,9 +19,9 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
         let design = &subject.design;
         let made =
-            build_in_memory(&Run::in_memory(&subject.profile, &Silent), design, &mut |_, _| {})?;
+            build_in_memory(&Run::in_memory(&subject.profile, &Silent), design, &mut |_| {})?;
         let scene = &made.scene;
-        let look = |scale: f64| Ok::<_, Infallible>(estimate(design, scene, scale));
+        let look = |scale: f64| Ok::<_, Infallible>(estimate(subject, scene, scale));
         let Ok((true_px, _)) = look(truth);
         for &scale in scales {
             let Ok((time_ms, (px, rays))) = timed(quick, || look(scale));
@@ -48,15 +47,17 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
 }
 
 /// The RMS pixel error as `scale` times as many pixels to the side show it, in pixels of the camera of
-/// `design`; and how many rays that took.
-fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
+/// `subject`; and how many rays that took.
+fn estimate(subject: &Subject, scene: &Scene, scale: f64) -> (f64, f64) {
+    let Subject { profile, design, .. } = subject;
     let own = &design.camera;
     let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
     let scaled = design.with_pixels(pixels);
     let trace = CameraTrace::new(scene, &scaled.camera, scene.above_mm());
     let table = expected_rays(&scaled, 0.0);
     let mut summary = TraceSummary::default();
-    TraceStrip::each(&trace, None, design.view.as_ref(), table, |strip| summary.add(strip));
+    let picture = wanted_picture(profile, &scaled);
+    TraceStrip::each(&trace, None, picture, table, |strip| summary.add(strip));
     let [[_, found, _], _] = summary.errors();
     let rms = found.map_or(f64::NAN, |summary| summary.rms / own.pixel_mm);
     (rms, f64::from(pixels[0]) * f64::from(pixels[1]))

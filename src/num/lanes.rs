@@ -82,6 +82,13 @@ const COSINE: [f64; 6] = [
 ];
 
 impl<const L: usize> Lanes<L> {
+    /// The coordinates of points, axis by axis.
+    #[inline(always)]
+    #[must_use]
+    pub fn of_points(points: [[f64; 2]; L]) -> [Self; 2] {
+        [Self(points.map(|[x, _]| x)), Self(points.map(|[_, y]| y))]
+    }
+
     /// Sines and cosines of angles, in radians, within a million; the last two bits may be off.
     #[inline]
     #[must_use]

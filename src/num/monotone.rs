@@ -2,6 +2,7 @@
 
 use super::interval::Interval;
 use super::knot_search::KnotSearch;
+use super::lanes::Lanes;
 use super::piecewise_cubic::{PiecewiseCubic, chords, cubic, fit_to_use, hulls};
 use super::scalar::{Arithmetic, Scalar, SmoothFn};
 
@@ -91,6 +92,58 @@ fn end_slope(h: &[f64], chords: &[f64], end: usize, next: usize) -> f64 {
     m * ratio.clamp(0.125, STEEPEST)
 }
 
+/// The root of a cubic in 0..=`width` by a few steps from `t`, if that is near enough.
+#[inline]
+fn steps(shape: [f64; 4], mut t: f64, width: f64) -> Option<f64> {
+    for _ in 0..3 {
+        let [f, slopes @ ..] = cubic(shape, t);
+        let (step, [bent, twisted]) = chebyshev(f, slopes);
+        t += step;
+        if !(0.0 <= t && t <= width) {
+            return None;
+        }
+        if step.abs().min(bent.abs() + twisted.abs()) <= LEFT * t {
+            return Some(t);
+        }
+    }
+    None
+}
+
+/// The root of a cubic that rises in 0..=`width`, by steps from `t` within the bracket that they narrow.
+fn bracketed(shape: [f64; 4], mut t: f64, width: f64) -> f64 {
+    let (mut lo, mut hi) = (0.0, width);
+    for _ in 0..80 {
+        let [f, slopes @ ..] = cubic(shape, t);
+        if f > 0.0 {
+            hi = t
+        } else {
+            lo = t
+        }
+        let (step, [bent, twisted]) = chebyshev(f, slopes);
+        let next = t + step;
+        if !(lo <= next && next <= hi) {
+            t = 0.5 * (lo + hi);
+            continue;
+        }
+        t = next;
+        if step.abs().min(bent.abs() + twisted.abs()) <= LEFT * t {
+            break;
+        }
+    }
+    t
+}
+
+/// Chebyshev's step from a place where a function is `f` to where it is 0, Newton's and the second order that this
+/// leaves; and the two parts of what it leaves itself, of third order.
+#[inline(always)]
+fn chebyshev<A: Arithmetic>(f: A, [d, dd, ddd]: [A; 3]) -> (A, [A; 2]) {
+    let per = A::constant(1.0) / d;
+    let newton = f * per;
+    let bend = dd * 0.5 * per * newton;
+    let square = newton * newton;
+    (-(newton * (bend + 1.0)), [newton * (bend * bend * 2.0), newton * (ddd * per * square)])
+}
+
 impl SmoothFn for MonotoneCubic {
     fn at(&self, x: f64) -> [f64; 3] {
         let [f, d, dd, _] = self.pieces.evaluate(x);
@@ -114,6 +167,50 @@ impl Inverse<'_> {
         self.0.pieces.anchors[k] + t
     }
 
+    /// x(y + `dy`) but for the last bits, where `x` is x(y): in less time than [`Self::value`] takes. None where one is not
+    /// near, or not in the piece of its `x`.
+    #[inline]
+    #[must_use]
+    pub fn beside<const L: usize>(&self, x: Lanes<L>, dy: Lanes<L>) -> Option<Lanes<L>> {
+        let PiecewiseCubic { borders, anchors, terms } = &self.0.pieces;
+        // (Neighbours are mostly of one piece.)
+        let mut piece = borders.up_to(x.0.first().copied()?);
+        let pieces = x.0.map(|x| {
+            piece = borders.up_to_near(x, piece);
+            piece
+        });
+        if pieces.iter().any(|k| *k == 0 || *k == borders.knots().len()) {
+            return None;
+        }
+        let anchor = Lanes(pieces.map(|k| anchors[k]));
+        let width = Lanes(pieces.map(|k| borders.knots()[k])) - anchor;
+        let [b, c, d] = [1, 2, 3].map(|power| Lanes(pieces.map(|k| terms[k][power])));
+        let rise = |t: Lanes<L>| t * (b + t * (c + t * d));
+        let mut t = x - anchor;
+        // (From x, so that the value there need not be known.)
+        let sought = rise(t) + dy;
+        let mut is_found = [false; L];
+        for _ in 0..2 {
+            let slopes = [b + t * (c * 2.0 + t * (d * 3.0)), c * 2.0 + t * (d * 6.0), d * 6.0];
+            let (step, [bent, twisted]) = chebyshev(rise(t) - sought, slopes);
+            for (k, is_found) in is_found.iter_mut().enumerate() {
+                // (What is found stays, so that no number depends on those beside it.)
+                if !*is_found {
+                    t.0[k] += step.0[k];
+                    let left = bent.0[k].abs() + twisted.0[k].abs();
+                    *is_found = left <= LEFT * t.0[k];
+                }
+            }
+            if !(0..L).all(|k| 0.0 <= t.0[k] && t.0[k] <= width.0[k]) {
+                return None;
+            }
+            if is_found.iter().all(|is_found| *is_found) {
+                return Some(anchor + t);
+            }
+        }
+        None
+    }
+
     /// The piece in which f is `y`, and how far from its anchor.
     fn place(&self, y: f64) -> (usize, f64) {
         let Self(MonotoneCubic { pieces, levels, sense, bends }) = self;
@@ -124,38 +221,16 @@ impl Inverse<'_> {
         if k == 0 || k == levels.len() {
             return (k, rest / terms[1]);
         }
-        // t (b + t (c + t d)) = rest for t = x - anchor, within the bracket that is narrowed.
+        // t (b + t (c + t d)) = rest for t = x - anchor.
         let shape = [-rest, terms[1], terms[2], terms[3]];
-        let (mut lo, mut hi) = (0.0, pieces.borders.knots()[k] - pieces.anchors[k]);
+        let width = pieces.borders.knots()[k] - pieces.anchors[k];
         // It begins where the inverse's own cubic through both ends is.
         let share = sense * rest / (levels[k] - levels[k - 1]);
         let [first, last] = bends[k - 1];
         let off = share * (1.0 - share) * (first * (1.0 - share) - last * share);
-        let mut t = hi * (share + off).clamp(0.0, 1.0);
-        for _ in 0..80 {
-            let [f, d, dd, ddd] = cubic(shape, t);
-            if sense * f > 0.0 {
-                hi = t
-            } else {
-                lo = t
-            }
-            // Chebyshev's step: Newton's, and the second order that it leaves.
-            let per = 1.0 / d;
-            let newton = f * per;
-            let bend = 0.5 * dd * per * newton;
-            let next = t - newton * (1.0 + bend);
-            if !(lo <= next && next <= hi) {
-                t = 0.5 * (lo + hi);
-                continue;
-            }
-            // What it leaves is of third order.
-            let left = newton * (2.0 * bend * bend + (ddd * per).abs() * newton * newton);
-            let is_last = (next - t).abs().min(left.abs()) <= LEFT * next.abs();
-            t = next;
-            if is_last {
-                break;
-            }
-        }
+        let start = width * (share + off).clamp(0.0, 1.0);
+        let t = steps(shape, start, width)
+            .unwrap_or_else(|| bracketed(shape.map(|x| sense * x), start, width));
         (k, t)
     }
 
@@ -255,6 +330,30 @@ mod tests {
             assert!(x0[0] <= x && x <= x0[1] && x0[1] - x0[0] < 1e-13);
             assert!(slope[1] < 0.0);
         }
+    }
+
+    /// None across a knot and beyond the ends.
+    #[test]
+    fn places_beside_a_known_one_are_those_of_the_inverse() {
+        let knots: Vec<f64> = (0..=20).map(|k| f64::from(k) / 10.0 - 1.0).collect();
+        let values: Vec<f64> = knots.iter().map(|&x| 2.0 - exp(0.4 * x)).collect();
+        let curve = MonotoneCubic::new(&knots, &values).unwrap();
+        let mut r = Draws::new(8);
+        let mut found = [0; 4];
+        for k in 0..4000 {
+            let x = r.inside([-1.1, 1.1]);
+            let step = [1e-9, 1e-6, 1e-2, 0.3][k % 4] * r.inside([-1.0, 1.0]);
+            let Some(Lanes([beside])) = curve.inverse().beside(Lanes([x]), Lanes([step])) else {
+                continue;
+            };
+            found[k % 4] += 1;
+            let both = curve.inverse().beside(Lanes([0.54, x]), Lanes([1e-3, step]));
+            assert_eq!(both.map(|both| both.0[1]), Some(beside));
+            let exact = curve.inverse().value(curve.value(x) + step);
+            assert!((beside - exact).abs() < 3e-15, "{x} {step:e}: {:e}", beside - exact);
+            assert_eq!((x * 10.0).floor(), (exact * 10.0).floor());
+        }
+        assert!(found[0] > 850 && found[1] > 850 && found[2] > 700 && found[3] < 300, "{found:?}");
     }
 
     #[test]

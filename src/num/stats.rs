@@ -125,24 +125,23 @@ impl SummaryBuilder {
             self.kept.extend_from_slice(samples);
             return;
         }
-        for sample in std::mem::take(&mut self.kept) {
-            self.tally(sample);
-        }
-        samples.iter().for_each(|&sample| self.tally(sample));
+        let kept = std::mem::take(&mut self.kept);
+        self.tally(&kept);
+        self.tally(samples);
     }
 
-    #[inline]
-    fn tally(&mut self, sample: f64) {
-        let leading = (sample.to_bits() >> (64 - COUNTED_BITS)) as usize;
-        let [exponent, mantissa] = [leading / MANTISSAS, leading % MANTISSAS];
-        if self.counted.len() <= exponent {
-            self.counted.resize(exponent + 1, Vec::new());
-        }
-        let counters = &mut self.counted[exponent];
-        if counters.is_empty() {
+    fn tally(&mut self, samples: &[f64]) {
+        let leading = |sample: &f64| (sample.to_bits() >> (64 - COUNTED_BITS)) as usize;
+        let exponent = |sample: &f64| leading(sample) / MANTISSAS;
+        for alike in samples.chunk_by(|a, b| exponent(a) == exponent(b)) {
+            let exponent = exponent(&alike[0]);
+            if self.counted.len() <= exponent {
+                self.counted.resize(exponent + 1, Vec::new());
+            }
+            let counters = &mut self.counted[exponent];
             counters.resize(MANTISSAS, 0);
+            alike.iter().for_each(|sample| counters[leading(sample) % MANTISSAS] += 1);
         }
-        counters[mantissa] += 1;
     }
 
     /// The summary of all samples; `None` when there are none.

@@ -212,7 +212,7 @@ impl ImagingTask {
     }
 
     /// `at` relative to the target's origin.
-    fn relative<S: Scalar>(&self, at: [S; 3]) -> [S; 3] {
+    pub(super) fn relative<S: Scalar>(&self, at: [S; 3]) -> [S; 3] {
         [at[0], at[1], at[2] - self.origin_mm]
     }
 
@@ -238,12 +238,6 @@ impl ImagingTask {
             Projection::Panels(views) => views.panel_of(q),
             _ => usize::from(self.reflects(q)),
         }
-    }
-
-    /// The unit direction that image point `q`, on any panel, must see from the mirror point `at`.
-    #[must_use]
-    pub fn direction_of(&self, q: DVec2, at: DVec3) -> DVec3 {
-        self.direction_of_turned(q, (self.turn(q.x), self.rise(q.y)), at)
     }
 
     /// What image points at X share: of a strip sine and cosine of their azimuth.
@@ -273,19 +267,6 @@ impl ImagingTask {
         }
     }
 
-    /// [`ImagingTask::direction_of`] of an image point of which turn and rise are known.
-    #[must_use]
-    pub fn direction_of_turned(&self, q: DVec2, (turn, rise): ([f64; 2], f64), at: DVec3) -> DVec3 {
-        let flip = self.flip(q);
-        let (q, at) = (q * flip.truncate(), at * flip);
-        let from = self.relative(at.to_array());
-        let wanted = match &self.projection {
-            Projection::Strip(_) => turn.map(|x| x * rise),
-            other => other.direction_of(q.to_array()),
-        };
-        flip * stereographic::direction(self.target.direction_at(from, wanted))
-    }
-
     /// The direction from the target's origin of what a ray that leaves `at` in the unit direction
     /// `direction` shows; the direction itself for targets at infinity.
     #[must_use]
@@ -301,37 +282,8 @@ impl ImagingTask {
         }
     }
 
-    /// The image point, on the panel of `near` or beyond its rim, where that belongs which a ray
-    /// that leaves `at` in the unit direction `direction` shows.
-    #[must_use]
-    pub fn image_of(&self, at: DVec3, direction: DVec3, near: DVec2) -> DVec2 {
-        self.image_of_turned(at, direction, near, self.turn(near.x))
-    }
-
-    /// [`ImagingTask::image_of`] near an image point of which the turn is known.
-    #[must_use]
-    pub fn image_of_turned(
-        &self,
-        at: DVec3,
-        direction: DVec3,
-        near: DVec2,
-        turn: [f64; 2],
-    ) -> DVec2 {
-        let flip = self.flip(near);
-        let from = self.relative((at * flip).to_array());
-        let seen = self
-            .target
-            .direction_from_origin(from, stereographic::sigma((direction * flip).to_array()));
-        let near = near * flip.truncate();
-        let place = match &self.projection {
-            Projection::Strip(strip) => strip.image_of_turned(seen, near, turn),
-            other => other.image_of(seen, near),
-        };
-        DVec2::from_array(place) * flip.truncate()
-    }
-
     /// Signs of the reflection that carries the panel of `q` to the designed one.
-    fn flip(&self, q: DVec2) -> DVec3 {
+    pub(super) fn flip(&self, q: DVec2) -> DVec3 {
         if self.reflects(q) { DVec3::new(1.0, -1.0, 1.0) } else { DVec3::ONE }
     }
 }

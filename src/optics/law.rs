@@ -5,7 +5,7 @@
 //! units (one per radian of azimuth).
 
 use super::TabulatedLaw;
-use crate::num::{Scalar, radians, tan};
+use crate::num::{Lanes, Scalar, radians, tan};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
 
@@ -54,6 +54,41 @@ impl StripLaw {
                 (-w + 1.0) / (w + 1.0)
             }
             Self::Tabulated(table) => table.image_coordinate(radius),
+        }
+    }
+
+    /// Whether there is a way along the picture that is shorter than [`Self::image_coordinate`].
+    #[inline]
+    pub(super) fn has_steps(&self) -> bool {
+        match self {
+            Self::Cylindrical | Self::Mercator => true,
+            Self::Equirectangular | Self::EqualArea => false,
+            Self::Tabulated(table) => table.has_steps(),
+        }
+    }
+
+    /// The image coordinates where the isometric latitude is `step`, at most 1 / 16, more than at `z`, but for the last bits;
+    /// none where one needs [`Self::image_coordinate`].
+    #[inline(always)]
+    #[must_use]
+    pub(super) fn image_coordinate_beside<const L: usize>(
+        &self,
+        z: Lanes<L>,
+        step: Lanes<L>,
+    ) -> Option<Lanes<L>> {
+        match self {
+            Self::Mercator => Some(z + step),
+            Self::Cylindrical => {
+                // sinh(m + step), by the series of both functions of the step.
+                let square = step * step;
+                let cosine_less_1 = square * ((square * (1.0 / 720.0) + 1.0 / 24.0) * square + 0.5);
+                let over_step =
+                    ((square * (1.0 / 5040.0) + 1.0 / 120.0) * square + 1.0 / 6.0) * square + 1.0;
+                let cosine = Lanes(z.0.map(|z| (1.0 + z * z).sqrt()));
+                Some(z + (z * cosine_less_1 + cosine * (over_step * step)))
+            }
+            Self::Tabulated(table) => table.image_coordinate_beside(z, step),
+            Self::Equirectangular | Self::EqualArea => None,
         }
     }
 

@@ -8,17 +8,20 @@
 //! near either pole.
 
 use crate::geom::DVec3;
-use crate::num::Scalar;
+use crate::num::{Arithmetic, Lanes, Scalar};
 
-fn add<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
+#[inline(always)]
+fn add<S: Arithmetic>(a: [S; 2], b: [S; 2]) -> [S; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-fn times<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
+#[inline(always)]
+fn times<S: Arithmetic>(a: [S; 2], b: [S; 2]) -> [S; 2] {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
-fn conjugate<S: Scalar>(a: [S; 2]) -> [S; 2] {
+#[inline(always)]
+fn conjugate<S: Arithmetic>(a: [S; 2]) -> [S; 2] {
     [a[0], -a[1]]
 }
 
@@ -93,6 +96,32 @@ pub fn sigma<S: Scalar>(v: [S; 3]) -> [S; 2] {
 #[must_use]
 pub fn direction(sigma: [f64; 2]) -> DVec3 {
     DVec3::from_array(unit(sigma))
+}
+
+/// Steps in isometric latitude and azimuth (from Y towards X), radians, from directions to others near them: the logarithm
+/// of their quotient by its series (docs/theory.md, T125), to rounding of the steps. None where two of them are some
+/// 1 / 32 radian or more apart.
+#[inline(always)]
+#[must_use]
+pub fn step_between<const L: usize>(
+    from: [Lanes<L>; 2],
+    to: [Lanes<L>; 2],
+) -> Option<[Lanes<L>; 2]> {
+    /// With it the sixth term is below a rounding of the first.
+    const NEAR: f64 = 1.0 / 4096.0;
+    const TERMS: [f64; 5] = [1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0, 1.0];
+    let size = |[x, y]: [Lanes<L>; 2]| x * x + y * y;
+    let (way, sum) = ([to[0] - from[0], to[1] - from[1]], add(from, to));
+    let per = Lanes::constant(1.0) / size(sum);
+    let u = times(way, conjugate(sum)).map(|x| x * per);
+    let square = times(u, u);
+    let first = [Lanes::constant(TERMS[0]), Lanes::constant(0.0)];
+    let rest = TERMS[1..].iter().fold(first, |rest, term| {
+        let [x, y] = times(square, rest);
+        [x + *term, y]
+    });
+    let is_near = size(u).0.iter().all(|size| *size < NEAR);
+    is_near.then(|| times(u, rest).map(|x| x * -2.0))
 }
 
 #[cfg(test)]

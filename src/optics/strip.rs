@@ -1,8 +1,8 @@
 //! Straight panoramic strips: azimuth along X, elevation by a law along Y.
 
-use super::StripLaw;
+use super::{StripLaw, stereographic};
 use crate::geom::DVec2;
-use crate::num::{Scalar, cos, sin};
+use crate::num::{Lanes, Scalar, cos, sin};
 
 /// A strip of the world unrolled in the image.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,11 +60,30 @@ impl Strip {
         let z = self.law.image_coordinate(length);
         [turn * self.scale_mm + near.x, (z - self.z) * self.scale_mm]
     }
+
+    /// [`Self::image_of`] beside directions of which the image points are known, but for the last bits (docs/theory.md,
+    /// T125); none where one of them needs the whole way, as the two are far apart or the law has no shorter one.
+    #[inline]
+    pub(super) fn images_beside<const L: usize>(
+        &self,
+        sigma: [Lanes<L>; 2],
+        (known, [x, y]): ([Lanes<L>; 2], [Lanes<L>; 2]),
+    ) -> Option<[Lanes<L>; 2]> {
+        if !self.law.has_steps() {
+            return None;
+        }
+        let [latitude, azimuth] = stereographic::step_between(known, sigma)?;
+        let z = self.law.image_coordinate_beside(y / self.scale_mm + self.z, latitude)?;
+        Some([x + azimuth * self.scale_mm, (z - self.z) * self.scale_mm])
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::sample::Draws;
+    use crate::optics::TabulatedLaw;
+    use std::sync::Arc;
 
     #[test]
     fn azimuth_wraps_to_the_nearer_turn() {
@@ -73,5 +92,39 @@ mod tests {
         let beyond = edge + DVec2::new(0.02, 0.0);
         let back = DVec2::from_array(strip.image_of(strip.direction_of(beyond.to_array()), edge));
         assert!((back - beyond).length() < 1e-12);
+    }
+
+    fn beside(strip: &Strip, sigma: [f64; 2], (known, image): ([f64; 2], DVec2)) -> Option<DVec2> {
+        let lane = |x: f64| Lanes([x]);
+        let known = (known.map(lane), image.to_array().map(lane));
+        let found = strip.images_beside(sigma.map(lane), known)?;
+        Some(DVec2::from_array(found.map(|Lanes([x])| x)))
+    }
+
+    /// The short way and the whole one, for laws that have one, through the seam and up to where it ends.
+    #[test]
+    fn image_points_beside_a_known_one_are_those_of_the_whole_way() {
+        let z: Vec<f64> = (0..=16).map(|k| f64::from(k) / 8.0 - 1.0).collect();
+        let m: Vec<f64> = z.iter().map(|z| 0.8 * z + 0.1 * z * z).collect();
+        let table = StripLaw::Tabulated(Arc::new(TabulatedLaw::from_latitudes(&z, &m).unwrap()));
+        let mut r = Draws::new(5);
+        for law in [StripLaw::Mercator, StripLaw::Cylindrical, table] {
+            let strip = Strip { law, scale_mm: 10.0, azimuth: 0.3, z: 0.1 };
+            let mut taken = 0;
+            for _ in 0..2000 {
+                let image = DVec2::new(r.inside([-32.0, 32.0]), r.inside([-9.0, 8.0]));
+                let known = strip.direction_of(image.to_array());
+                let size = [1e-9, 1e-6, 1e-3][taken % 3];
+                let sigma = known.map(|x| x + size * r.inside([-1.0, 1.0]));
+                let Some(beside) = beside(&strip, sigma, (known, image)) else { continue };
+                taken += 1;
+                let off = beside - DVec2::from_array(strip.image_of(sigma, image));
+                assert!(off.length() < 5e-14, "{image}: {off}");
+            }
+            assert!(taken > 1000, "{taken}");
+            let known = strip.direction_of([1.0, 2.0]);
+            let far = known.map(|x| x * 1.04);
+            assert!(beside(&strip, far, (known, DVec2::new(1.0, 2.0))).is_none());
+        }
     }
 }

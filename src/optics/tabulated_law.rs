@@ -1,6 +1,6 @@
 //! Laws given by numbers: elevations at some rows, and a smooth monotone curve through them.
 
-use crate::num::{MonotoneCubic, Scalar};
+use crate::num::{Lanes, MonotoneCubic, Scalar};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Quantity that a table interpolates.
@@ -56,6 +56,23 @@ impl TabulatedLaw {
             TabulatedQuantity::Latitude => -radius.log(),
         };
         value.map(&self.curve.inverse())
+    }
+
+    /// Whether steps in m are steps along the curve.
+    #[inline]
+    pub(super) fn has_steps(&self) -> bool {
+        self.quantity == TabulatedQuantity::Latitude
+    }
+
+    /// The image coordinates where m is `step` more than at `z`, but for the last bits; none where one needs the whole
+    /// way back.
+    #[inline]
+    pub(super) fn image_coordinate_beside<const L: usize>(
+        &self,
+        z: Lanes<L>,
+        step: Lanes<L>,
+    ) -> Option<Lanes<L>> {
+        self.has_steps().then(|| self.curve.inverse().beside(z, step)).flatten()
     }
 }
 

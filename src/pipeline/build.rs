@@ -189,7 +189,7 @@ impl Made {
                     format,
                     MeshSource::Staged(staged, written),
                     made.promise,
-                    &mut |strip, _| {
+                    &mut |strip| {
                         if picture.is_none() {
                             centres.add(strip);
                             errors.add(strip);
@@ -218,7 +218,7 @@ impl Made {
             if let Some((body, promise)) = check.findings.body.take() {
                 let is_first = traced.is_empty();
                 let of = (check.file.clone(), body);
-                traced.push(witness_body(run, design, of, promise, &mut |strip, _| {
+                traced.push(witness_body(run, design, of, promise, &mut |strip| {
                     if is_first {
                         errors.add(strip);
                     }

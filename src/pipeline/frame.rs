@@ -44,13 +44,13 @@ impl Command for FrameOptions {
         let thinned = ThinnedFrame::new(camera.pixels);
         let (mut map, mut map_usr) = (Vec::new(), Vec::new());
         let mut resolution = ResolutionBuilder::default();
-        let InMemoryBuild { frame, .. } = build_in_memory(run, &design, &mut |strip, classes| {
-            coverage.add(strip, classes);
+        let InMemoryBuild { frame, .. } = build_in_memory(run, &design, &mut |strip| {
+            coverage.add(strip);
             obstructions.add(strip);
             let rows = strip.rows.start as u32..strip.rows.end as u32;
             let usr = solid_angles(&design, [0..camera.pixels[0], rows]);
             resolution.add(usr.iter().map(|usr| (*usr, 1)));
-            map.extend(thinned.thin(strip.rows.clone(), classes).copied());
+            map.extend(thinned.thin(strip.rows.clone(), &strip.classes).copied());
             map_usr.extend(thinned.thin(strip.rows.clone(), &usr).copied());
         })?;
         let Some(frame) = frame else { return Err(no_projection(profile)) };

@@ -8,7 +8,8 @@ use crate::design::Design;
 use crate::num::stats::Summary;
 use crate::part::{Promise, codec};
 use crate::profile::MeshFormat;
-use crate::trace::{FrameFill, PixelClass, Scene, TraceStrip};
+use crate::trace::{FrameFill, Scene};
+use crate::verdict::EachStrip;
 
 /// The mesh that a build would write first, as it is read back.
 pub(crate) struct InMemoryBuild {
@@ -30,7 +31,7 @@ pub(crate) struct InMemoryBuild {
 pub(crate) fn build_in_memory(
     run: &Run,
     design: &Design,
-    each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
+    each: EachStrip,
 ) -> Result<InMemoryBuild, Error> {
     let failed = |reason: String| Error::Reread { profile: run.profile.name.clone(), reason };
     let face = run.stage(Stage::Mesh, || meshed(run, design))?;

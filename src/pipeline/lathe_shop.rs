@@ -227,6 +227,7 @@ fn time(spec: &TurnSpec, path: &TurningPath) -> MachineTime {
     let limits = MachineLimits {
         rapid_mm_min: spec.machine.rapid_mm_min,
         acceleration_mm_s2: spec.machine.acceleration_mm_s2,
+        jerk_mm_s3: spec.machine.jerk_mm_s3,
     };
     if !path.is_commanded() {
         return limits.time(&path.tool.moves);

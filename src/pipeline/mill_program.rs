@@ -163,6 +163,7 @@ pub(super) fn limits(spec: &MillSpec) -> MachineLimits {
     MachineLimits {
         rapid_mm_min: machine.rapid_mm_min,
         acceleration_mm_s2: machine.acceleration_mm_s2,
+        jerk_mm_s3: machine.jerk_mm_s3,
     }
 }
 

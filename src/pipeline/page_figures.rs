@@ -111,7 +111,7 @@ impl ErrorMapBuilder {
         let error = |pixel: &PixelTrace| {
             Some(pixel.errors?.image_mm / self.pixel_mm).filter(|px| px.is_finite())
         };
-        let pixels = self.thinned.thin(strip.rows.clone(), &strip.traced.pixels);
+        let pixels = self.thinned.thin(strip.rows.clone(), &strip.pixels);
         self.errors.extend(pixels.map(error));
     }
 

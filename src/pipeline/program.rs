@@ -73,7 +73,7 @@ fn judged(
     report.reasons.extend(faults.into_iter().map(of_program));
     report.warnings.extend(warning);
     let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
-    let mut check = written_as_cut(run, design, mesh, words, &mut |strip, _| errors.add(strip))?;
+    let mut check = written_as_cut(run, design, mesh, words, &mut |strip| errors.add(strip))?;
     check.held_to = HeldTo::Picture;
     let errors: ErrorMap = errors.finish();
     let Findings { files, trace, frame, accepted, reasons, .. } =

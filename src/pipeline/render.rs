@@ -44,7 +44,7 @@ impl Command for RenderOptions<'_> {
         let (traced, (pixels, rays)) = match &scenery {
             Scenery::Part(scene) => {
                 let InMemoryBuild { format, scene: mesh, .. } =
-                    build_in_memory(run, &design, &mut |_, _| {})?;
+                    build_in_memory(run, &design, &mut |_| {})?;
                 let (picture, png) = run.painted(|| self.part(&design, &mesh, *scene))?;
                 run.files.add_bytes(&name, &png)?;
                 (format.name(), ([picture.width, picture.height], picture.samples))
@@ -64,7 +64,7 @@ impl Command for RenderOptions<'_> {
             Scenery::World(world) => {
                 let mut centres = ReflectedCentres::default();
                 let InMemoryBuild { format, scene, .. } =
-                    build_in_memory(run, &design, &mut |strip, _| {
+                    build_in_memory(run, &design, &mut |strip| {
                         centres.add(strip);
                     })?;
                 let mesh = TracedMesh { scene, centres };
@@ -131,7 +131,7 @@ impl RenderOptions<'_> {
             return Ok(("design", errors));
         }
         let mut errors = ErrorMapBuilder::new(design, ThinnedFrame::MOST_COLUMNS);
-        let found = build_in_memory(run, design, &mut |strip, _| errors.add(strip))?;
+        let found = build_in_memory(run, design, &mut |strip| errors.add(strip))?;
         Ok((found.format.name(), errors.finish().errors))
     }
 

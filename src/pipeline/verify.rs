@@ -393,12 +393,12 @@ impl Verify<'_> {
     ) -> Found {
         let mut map = FormMapBuilder::new(&design.mirror, &design.camera);
         let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
-        let mut check = witness(&mut |strip, _| {
+        let mut check = witness(&mut |strip| {
             errors.add(strip);
             if self.options.align {
                 map.add(strip.rows.clone(), |[column, row]| {
                     let pixel = (row - strip.rows.start) * strip.frame[0] + column;
-                    let end = &strip.traced.pixels[pixel];
+                    let end = &strip.pixels[pixel];
                     (end.hit_point != DVec3::ZERO).then_some(end.hit_point)
                 });
             }

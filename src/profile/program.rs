@@ -143,6 +143,8 @@ pub struct MachineSpec {
     pub max_spindle_rpm: f64,
     /// Acceleration, mm/s^2.
     pub acceleration_mm_s2: f64,
+    /// Jerk, mm/s^3; none for any.
+    pub jerk_mm_s3: Option<f64>,
     /// Travel along X, Y and Z, mm; none for any.
     pub travel_mm: Option<[f64; 3]>,
     /// Height of rapid moves over the stock, mm.
@@ -198,6 +200,7 @@ impl Default for MillSpec {
                 max_feed_mm_min: 3000.0,
                 max_spindle_rpm: 24_000.0,
                 acceleration_mm_s2: 500.0,
+                jerk_mm_s3: None,
                 travel_mm: None,
                 safe_mm: 5.0,
                 // The nut of a collet chuck ER 25, a common one of light mills.

@@ -70,6 +70,8 @@ pub struct LatheSpec {
     pub max_spindle_rpm: f64,
     /// Acceleration, mm/s^2.
     pub acceleration_mm_s2: f64,
+    /// Jerk, mm/s^3; none for any.
+    pub jerk_mm_s3: Option<f64>,
     /// Travel of the slides along X and Z, mm; none for any.
     pub travel_mm: Option<[f64; 2]>,
     /// Height of rapid moves over the stock, mm.
@@ -121,6 +123,7 @@ impl Default for TurnSpec {
                 rapid_mm_min: 5000.0,
                 max_spindle_rpm: 3000.0,
                 acceleration_mm_s2: 500.0,
+                jerk_mm_s3: None,
                 travel_mm: None,
                 safe_mm: 5.0,
             },

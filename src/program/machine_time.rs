@@ -4,6 +4,8 @@
 //! its feed. Through a corner that turns the direction by the angle t the speed is that at which an arc that stays within `d` of
 //! the corner has a centripetal acceleration of a: `v^2 = a d s / (1 - s)`, where s is the sine of half the angle between the two
 //! moves, so that s = cos(t / 2) (S. K. Jeon's corners, which grbl takes, with d = 0.01 mm). At the program's ends the speed is 0.
+//! With a jerk j the control takes the mean of its speeds over a / j, which is what speeding up takes longer: a move from rest to rest
+//! over the length l at its feed v takes l / v + v / a + a / j, as with S-shaped ramps; nothing else waits, as at corners it goes on.
 //! Two passes over the moves, backwards and forwards, hold the speeds at corners to what can be reached and stopped from.
 
 use super::ToolMove;
@@ -15,6 +17,8 @@ pub struct MachineLimits {
     pub rapid_mm_min: f64,
     /// Acceleration, mm/s^2.
     pub acceleration_mm_s2: f64,
+    /// Jerk, mm/s^3; none for any.
+    pub jerk_mm_s3: Option<f64>,
 }
 
 /// Where the time of moves goes.
@@ -56,7 +60,10 @@ impl MachineLimits {
         for (step, ends) in moves.iter().zip(speeds.windows(2)) {
             let length = step.from.distance(step.to);
             let ends = [ends[0], ends[1]];
-            let [even, ramps] = phases(length, self.speed(step), ends, self.acceleration_mm_s2);
+            let [even, mut ramps] = phases(length, self.speed(step), ends, self.acceleration_mm_s2);
+            if ends[1] == 0.0 {
+                ramps += self.smoothing_s();
+            }
             match step.feed {
                 Some(_) => {
                     at_feed += even;
@@ -85,7 +92,7 @@ impl MachineLimits {
                 None => {
                     let limit = self.rapid_mm_min / 60.0;
                     let parts = phases(length, limit, [0.0; 2], self.acceleration_mm_s2);
-                    parts.iter().sum::<f64>() / 60.0
+                    (parts.iter().sum::<f64>() + self.smoothing_s()) / 60.0
                 }
             };
             found.at_feed_min += minutes;
@@ -96,6 +103,11 @@ impl MachineLimits {
         }
         found.speeds_mm_min = mean_speeds(&reached);
         found
+    }
+
+    /// Time over which the control takes the mean of its speeds, seconds: by which each stop is later.
+    fn smoothing_s(&self) -> f64 {
+        self.jerk_mm_s3.map_or(0.0, |jerk| self.acceleration_mm_s2 / jerk)
     }
 
     /// Speed of a move where it is fastest, mm/s.
@@ -165,7 +177,8 @@ mod tests {
     use super::*;
     use crate::geom::DVec3;
 
-    const LIMITS: MachineLimits = MachineLimits { rapid_mm_min: 6000.0, acceleration_mm_s2: 500.0 };
+    const LIMITS: MachineLimits =
+        MachineLimits { rapid_mm_min: 6000.0, acceleration_mm_s2: 500.0, jerk_mm_s3: None };
 
     fn minutes(moves: &[ToolMove]) -> f64 {
         LIMITS.time(moves).minutes()
@@ -188,6 +201,34 @@ mod tests {
         assert!((60.0 * minutes(&short) - 2.0 * f64::sqrt(0.1 / 500.0)).abs() < 1e-12);
         let there_and_back = path(&[DVec3::ZERO, DVec3::X * 10.0, DVec3::ZERO], 600.0);
         assert!((minutes(&there_and_back) - 2.0 * minutes(&long)).abs() < 1e-12);
+    }
+
+    /// Of a cut of 10 mm at 10 mm/s, whose acceleration is built up in 0.01 s: the time of the S-shaped ramps, integrated from the jerk, and
+    /// once more for each stop on the way.
+    #[test]
+    fn a_jerk_makes_each_stop_later() {
+        let limits = MachineLimits { jerk_mm_s3: Some(50_000.0), ..LIMITS };
+        let long = path(&[DVec3::ZERO, DVec3::X * 10.0], 600.0);
+        let (tick, [build_up, ramp]) = (1e-6, [0.01, 0.02]);
+        let (mut way, mut speed, mut time) = (0.0, 0.0, 0.0);
+        while speed < 10.0 - 1e-9 {
+            let acceleration = (50_000.0 * f64::min(time, build_up + ramp - time)).min(500.0);
+            speed += tick * acceleration;
+            way += tick * speed;
+            time += tick;
+        }
+        let found = 60.0 * limits.time(&long).minutes();
+        assert!((found - (2.0 * time + (10.0 - 2.0 * way) / 10.0)).abs() < 1e-4, "{found}");
+        assert!((found - (60.0 * minutes(&long) + 0.01)).abs() < 1e-12);
+        let there_and_back = path(&[DVec3::ZERO, DVec3::X * 10.0, DVec3::ZERO], 600.0);
+        let on = path(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::X * 10.0], 600.0);
+        let time = |moves: &[ToolMove]| 60.0 * limits.time(moves).minutes();
+        assert!((time(&there_and_back) - 2.0 * found).abs() < 1e-12);
+        assert!((time(&on) - found).abs() < 1e-12);
+        let mut rapid = path(&[DVec3::ZERO, DVec3::X * 10.0], 600.0);
+        rapid[0].feed = None;
+        let told = 60.0 * limits.told_time(&rapid, &[0.0]).minutes();
+        assert!((told - (2.0 * f64::sqrt(10.0 / 500.0) + 0.01)).abs() < 1e-12);
     }
 
     /// Of a cut of 10 mm at 10 mm/s, which takes 0.02 s and 0.1 mm to speed up and to slow down, and the rapid way back.

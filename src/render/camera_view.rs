@@ -38,7 +38,7 @@ impl ReflectedCentres {
         if columns * rows > CameraTrace::STRIP_PIXELS {
             return;
         }
-        let (first, pixels) = (self.0.len(), &strip.traced.pixels);
+        let (first, pixels) = (self.0.len(), &strip.pixels);
         self.0.reserve_exact(columns * rows - first);
         self.0.resize(first + pixels.len(), MISSED);
         parallel::for_each_mut(&mut self.0[first..], 4096, |k, ray| {

@@ -67,7 +67,7 @@ fn errors_along(
 ) -> Vec<Option<f64>> {
     let error = |((&near, &turn), ray): ((&DVec2, &[f64; 2]), &Option<Ray>)| {
         let ray = ray.filter(|_| view.projection.wants(near))?;
-        let seen = view.image_of_turned(ray.origin, ray.direction, near, turn);
+        let seen = view.shown_turned(ray.origin, ray.direction, (near, turn)).image;
         let px = (seen - near).length() / pixel_mm;
         px.is_finite().then_some(px)
     };

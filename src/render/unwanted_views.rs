@@ -77,7 +77,7 @@ impl Shown {
     fn of(view: &ImagingTask, (image, ray): &(DVec2, Option<Ray>)) -> Option<Self> {
         let ray = ray.filter(|_| view.projection.wants(*image))?;
         let turn = view.turn(image.x);
-        let content = view.image_of_turned(ray.origin, ray.direction, *image, turn);
+        let content = view.shown_turned(ray.origin, ray.direction, (*image, turn)).image;
         let panel = view.panel_of(*image);
         content.is_finite().then_some(Self { image: *image, content, panel })
     }

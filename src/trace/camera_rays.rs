@@ -8,6 +8,15 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Camera ray of a pixel, for which the table of expected rays is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelRay {
+    /// Its chart coordinates, mm.
+    pub charted: DVec2,
+    /// The ray.
+    pub ray: Ray,
+}
+
 /// Rays through the pixel centres of a camera, with the centres' image coordinates tabulated.
 #[derive(Debug, Clone)]
 pub(super) struct CameraRays {
@@ -95,20 +104,34 @@ impl CameraRays {
     /// Ray through a pixel's centre; of rows that are charted.
     #[inline]
     pub(super) fn at(&self, column: usize, row: usize) -> Ray {
-        let q = match &self.charted {
-            None => self.charted(column, row),
-            Some(rows) => rows.points[(row - rows.first) * self.camera.pixels[0] as usize + column],
-        };
+        let q = self.known(row).map_or_else(|| self.charted(column, row), |known| known[column]);
         self.camera.chart.ray(q, self.top_mm)
     }
 
     /// Chart coordinates of the rays through the pixel centres of a row, mm.
     pub(super) fn charted_row(&self, row: usize) -> Cow<'_, [DVec2]> {
-        let columns = self.camera.pixels[0] as usize;
-        match &self.charted {
-            None => (0..columns).map(|column| self.charted(column, row)).collect(),
-            Some(rows) => rows.points[(row - rows.first) * columns..][..columns].into(),
+        let columns = 0..self.camera.pixels[0] as usize;
+        self.known(row)
+            .map_or_else(|| columns.map(|column| self.charted(column, row)).collect(), Into::into)
+    }
+
+    /// Rays through the centres of so many neighbours in a row, from the pixel of a column and a row on; of rows that
+    /// are charted.
+    pub(super) fn of_neighbours(&self, [column, row]: [usize; 2], count: usize) -> Vec<PixelRay> {
+        let (chart, columns) = (&self.camera.chart, column..column + count);
+        let ray = |charted: DVec2| PixelRay { charted, ray: chart.ray(charted, self.top_mm) };
+        match self.known(row) {
+            None => columns.map(|column| ray(self.charted(column, row))).collect(),
+            Some(known) => known[columns].iter().map(|charted| ray(*charted)).collect(),
         }
+    }
+
+    /// The chart coordinates of a row, if they are known.
+    #[inline]
+    fn known(&self, row: usize) -> Option<&[DVec2]> {
+        let columns = self.camera.pixels[0] as usize;
+        let ChartedRows { first, points } = self.charted.as_ref()?;
+        points.get(row.checked_sub(*first)? * columns..)?.get(..columns)
     }
 
     /// Chart coordinates of the ray through a pixel's centre, mm.

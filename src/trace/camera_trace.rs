@@ -124,23 +124,23 @@ impl<'a> CameraTrace<'a> {
         (0..rows).step_by(step.max(1)).map(|first| first..(first + step).min(rows)).collect()
     }
 
-    /// Most pixels of a strip: what is kept of them takes some 100 MB.
+    /// Most pixels of a strip: what is kept of them takes some 70 MB.
     pub const STRIP_PIXELS: usize = 1 << 19;
     /// Bands of a strip at the least: each is a thread's.
     const LEAST_BANDS: usize = 2;
 
     /// The rows of a strip in slices, each of whole bands, that are traced one after the other: what is kept
-    /// of a slice's pixels stays in the processor's cache and its memory is used again.
+    /// of a slice's pixels is memory that is used again.
     pub(super) fn slices(&self, rows: Range<usize>) -> Vec<Range<usize>> {
         let bands = Self::SLICE_PIXELS / self.band_pixels();
-        let step =
-            bands.max(Self::LEAST_SLICE).max(2 * parallel::threads()) * self.rays.band_rows();
+        let step = bands.max(Self::BANDS_PER_THREAD * parallel::threads()) * self.rays.band_rows();
         rows.clone().step_by(step).map(|first| first..(first + step).min(rows.end)).collect()
     }
 
-    /// Most pixels of a slice, unless its least number of bands has more: what is kept of them takes 10 MB.
+    /// Most pixels of a slice, unless its threads' bands have more: what is kept of them takes 10 MB.
     const SLICE_PIXELS: usize = 1 << 16;
-    const LEAST_SLICE: usize = 4;
+    /// Bands of a slice for each thread at the least: enough for threads to finish at about the same time.
+    const BANDS_PER_THREAD: usize = 4;
 
     /// What is needed to trace the rows of a strip.
     pub(super) fn tracer(&self, rows: Range<usize>) -> Tracer<'_> {
@@ -166,19 +166,19 @@ impl<'a> CameraTrace<'a> {
         self.charted.get_or_init(charted).as_ref()
     }
 
-    /// Traces the bands of `rows`, a slice of the strip of `tracer`, side by side. `each` gets the number of the
+    /// Traces the bands of `rows`, a slice of the strip of `tracer`, side by side; the ends of a band's rays are kept in
+    /// `scratch` while it is at work. `each` gets the number of the
     /// first row, the ends of the band's rays, and its share of `out`, which has one entry a pixel; what it
     /// returns is returned in the order of the bands, with the pixels, counted from the slice's first, whose
     /// reflected rays are occluded although their ends said that they were not.
     pub(super) fn bands<T: Send, U: Send>(
         &self,
-        tracer: &Tracer,
+        (tracer, scratch): (&Tracer, &ScratchPool<Vec<RayEnd>>),
         rows: Range<usize>,
         out: &mut [T],
         each: impl Fn(usize, &[RayEnd], &mut [T]) -> U + Sync,
     ) -> (TraceCounts, Vec<U>, Vec<(usize, Outcome)>) {
         let first_row = rows.start;
-        let scratch = ScratchPool::default();
         let band = |number: usize, out: &mut [T], ends: &mut Vec<RayEnd>| {
             ends.resize(out.len(), RayEnd::MISSED);
             let first = first_row + number * self.rays.band_rows();

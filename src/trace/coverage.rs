@@ -6,9 +6,9 @@
 //! between the directions of their centres, and the direction of an edge is extrapolated by a straight
 //! line through the centres of the nearest pixels, in which facet errors average out.
 
-use super::frame_fill::PixelClass;
+use super::pixel_class::PixelClass;
 use super::pixel_trace::PixelTrace;
-use super::trace_result::TraceStrip;
+use super::trace_strip::TraceStrip;
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, Fold, ImagingTask, Projection};
@@ -121,15 +121,15 @@ impl<'a> CoverageBuilder<'a> {
     }
 
     /// Adds the pixels of a strip, of which those of the class [`PixelClass::Filled`] count.
-    pub fn add(&mut self, strip: &TraceStrip, classes: &[PixelClass]) {
+    pub fn add(&mut self, strip: &TraceStrip) {
         let (view, width) = (self.view, strip.frame[0]);
         let direction = |k: usize| {
-            let pixel: &PixelTrace = &strip.traced.pixels[k];
+            let pixel: &PixelTrace = &strip.pixels[k];
             let shown = || view.direction_from_origin(pixel.hit_point, pixel.direction);
             let angles = |d: DVec3| [atan2(d.x, d.y), asin(d.z.clamp(-1.0, 1.0))];
-            (classes[k] == PixelClass::Filled).then(|| angles(shown()))
+            (strip.classes[k] == PixelClass::Filled).then(|| angles(shown()))
         };
-        let directions: Vec<Direction> = parallel::map(strip.traced.pixels.len(), 1, direction);
+        let directions: Vec<Direction> = parallel::map(strip.pixels.len(), 1, direction);
         let rows: Vec<&[Direction]> = directions.chunks(width).collect();
         let above = self.last.take();
         let first = strip.rows.start;

@@ -1,7 +1,10 @@
-//! Numbers and errors of the pixels of a piece of a strip.
+//! Numbers, errors and classes of the pixels of a piece of a strip.
 
+use super::expected_ray::ExpectedRay;
+use super::filled_range::FilledRange;
+use super::outcome_counts::OutcomeCounts;
+use super::pixel_class::{PixelClass, own_class};
 use super::pixel_trace::{PixelTrace, RayErrors};
-use super::ray_end::Outcome;
 
 /// Errors of some rays, one after the other.
 #[derive(Debug, Clone, Default)]
@@ -15,12 +18,12 @@ pub(super) struct ErrorList {
 }
 
 impl ErrorList {
-    fn with_room_for(rays: usize) -> Self {
-        let [angle_rad, image_mm, facet_mm] = [(); 3].map(|()| Vec::with_capacity(rays));
-        Self { angle_rad, image_mm, facet_mm }
+    fn clear(&mut self) {
+        let Self { angle_rad, image_mm, facet_mm } = self;
+        [angle_rad, image_mm, facet_mm].into_iter().for_each(Vec::clear);
     }
 
-    fn push(&mut self, errors: Option<RayErrors>) {
+    pub(super) fn push(&mut self, errors: Option<RayErrors>) {
         if let Some(RayErrors { angle_rad, image_mm, facet_mm }) = errors {
             self.angle_rad.push(angle_rad);
             self.image_mm.push(image_mm);
@@ -32,52 +35,48 @@ impl ErrorList {
 /// What a piece of a strip holds.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Digest {
-    /// Rays aimed at the mirror.
-    pub aimed: usize,
-    /// Of these, reflected into the world.
-    pub hit: usize,
-    /// Meeting nothing.
-    pub missed: usize,
-    /// Reflected against the part itself.
-    pub shadowed: usize,
-    /// Meeting the back of a facet.
-    pub back_face: usize,
-    /// Hidden by an obstacle.
-    pub obstructed: usize,
+    /// Numbers of its pixels.
+    pub counts: OutcomeCounts,
     /// Errors by facets.
     pub facet: ErrorList,
-    /// Errors by the file's own normals.
-    pub smooth: ErrorList,
+    /// Errors by the file's own normals: one entry a pixel, or none where the file has no normals.
+    pub smooth: Vec<Option<RayErrors>>,
+    /// Classes of the pixels as far as each alone tells, where there is a picture.
+    pub classes: Vec<Option<PixelClass>>,
+    /// What the filled pixels show.
+    pub filled: FilledRange,
 }
 
 impl Digest {
-    /// Nothing yet, with room for the errors of so many pixels: by facets, and by the file's normals.
-    pub(super) fn with_room_for(pixels: usize, facet: bool, smooth: bool) -> Self {
-        let room = |asked: bool| ErrorList::with_room_for(if asked { pixels } else { 0 });
-        Self { facet: room(facet), smooth: room(facet && smooth), ..Self::default() }
+    /// Forgets all pixels but their errors by the file's normals. Filled pixels that show what is in `filled` add nothing
+    /// to that.
+    pub(super) fn empty(&mut self, filled: FilledRange) {
+        (self.counts, self.filled) = (OutcomeCounts::default(), filled);
+        self.facet.clear();
+        self.classes.clear();
     }
 
-    /// What some pixels hold.
-    pub(super) fn of(pixels: &[PixelTrace]) -> Self {
-        let mut digest = Self::default();
-        digest.add(pixels);
-        digest
+    /// Forgets the errors of a pixel by the file's normals.
+    pub(super) fn forget_smooth(&mut self, pixel: usize) {
+        if let Some(smooth) = self.smooth.get_mut(pixel) {
+            *smooth = None;
+        }
     }
 
-    /// Adds pixels.
-    pub(super) fn add(&mut self, pixels: &[PixelTrace]) {
-        for pixel in pixels.iter().filter(|pixel| pixel.aimed) {
-            self.aimed += 1;
-            match pixel.outcome {
-                Outcome::Hit => {
-                    self.hit += 1;
-                    self.facet.push(pixel.errors);
-                    self.smooth.push(pixel.smooth);
-                }
-                Outcome::Missed => self.missed += 1,
-                Outcome::Shadowed(_) => self.shadowed += 1,
-                Outcome::BackFace => self.back_face += 1,
-                Outcome::Obstructed(_) => self.obstructed += 1,
+    /// Adds pixels, with their expected rays; they show their content up to `tolerance_mm` from where it belongs.
+    pub(super) fn add(
+        &mut self,
+        pixels: &[PixelTrace],
+        expected: &[ExpectedRay],
+        tolerance_mm: f64,
+    ) {
+        for (pixel, expected) in pixels.iter().zip(expected) {
+            self.counts.count(pixel);
+            self.facet.push(pixel.errors);
+            let class = own_class(pixel, tolerance_mm);
+            self.classes.push(class);
+            if class == Some(PixelClass::Filled) {
+                self.filled.add(pixel.direction, expected.direction);
             }
         }
     }

@@ -1,13 +1,10 @@
 //! Fill of the frame: the class of every pixel, filled or lost for a cause, and their numbers.
 
-use super::pixel_trace::PixelTrace;
-use super::ray_end::Outcome;
-use super::trace_result::{TraceResult, TraceStrip};
-use crate::geom::DVec3;
-use crate::num::{asin, atan2, degrees, wrap_turn};
-use crate::parallel;
+use super::filled_range::FilledRange;
+use super::pixel_class::PixelClass;
+use super::trace_strip::TraceStrip;
+use crate::num::{asin, degrees};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Share of filled pixels, their field of view, and the numbers of lost pixels by cause.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,45 +25,6 @@ pub struct FrameFill {
     pub gain_over_disc: f64,
     /// Numbers of the other pixels by cause.
     pub lost: LostPixels,
-}
-
-/// Class of a pixel: filled, or lost for the first of these causes that holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PixelClass {
-    /// It shows its part of the world.
-    Filled,
-    /// The designed mirror is not under its ray.
-    Beyond,
-    /// The nearest facet shows it the back.
-    BackFace,
-    /// Its ray is reflected and then meets the part.
-    Shadow,
-    /// An obstacle is in the way of its ray, before the mirror or behind it.
-    Obstacle,
-    /// It shows something else than the designed mirror does, or nothing, within a pixel of where
-    /// the mirror ends.
-    Rim,
-    /// It shows something else than the designed mirror does within a pixel of the ridge: part of
-    /// the other panel.
-    Ridge,
-    /// Its ray meets nothing, far from the rim.
-    Missed,
-    /// What it shows belongs farther away than the tolerance.
-    Content,
-}
-
-impl PixelClass {
-    /// The causes of loss, in the order of [`LostPixels`].
-    pub const LOST: [Self; 8] = [
-        Self::Beyond,
-        Self::Rim,
-        Self::Ridge,
-        Self::Shadow,
-        Self::Content,
-        Self::BackFace,
-        Self::Missed,
-        Self::Obstacle,
-    ];
 }
 
 /// Numbers of lost pixels by cause.
@@ -105,132 +63,26 @@ impl LostPixels {
     }
 }
 
-/// Class of every pixel of a strip, taken with pixels of `pixel_mm` each; `folded`: a ridge runs across the
-/// middle of the picture.
-#[must_use]
-pub fn classify_pixels(
-    strip: &TraceStrip,
-    pixel_mm: f64,
-    tolerance_px: f64,
-    folded: bool,
-) -> Vec<PixelClass> {
-    let [width, height] = strip.frame;
-    let limit = tolerance_px * pixel_mm;
-    let at_rim = |column: usize, row: usize| {
-        let around = |k: usize| [k.checked_sub(1), Some(k), Some(k + 1)];
-        around(row)
-            .iter()
-            .any(|&row| around(column).iter().any(|&column| !strip.is_aimed(column, row)))
-    };
-    let at_ridge = |row: usize| folded && (2 * row + 1).abs_diff(height) <= 2;
-    let class = |(k, pixel): (usize, &PixelTrace)| {
-        let (column, row) = (k % width, strip.rows.start + k / width);
-        let as_designed = pixel.errors.is_some_and(|e| e.facet_mm <= limit);
-        match pixel.outcome {
-            _ if !pixel.aimed => PixelClass::Beyond,
-            Outcome::BackFace => PixelClass::BackFace,
-            Outcome::Shadowed(_) => PixelClass::Shadow,
-            Outcome::Obstructed(_) => PixelClass::Obstacle,
-            Outcome::Hit if pixel.errors.is_some_and(|e| e.image_mm <= limit) => PixelClass::Filled,
-            Outcome::Hit if as_designed => PixelClass::Content,
-            _ if at_rim(column, row) => PixelClass::Rim,
-            Outcome::Hit if at_ridge(row) => PixelClass::Ridge,
-            Outcome::Hit => PixelClass::Content,
-            Outcome::Missed => PixelClass::Missed,
-        }
-    };
-    let pixels = &strip.traced.pixels;
-    parallel::map(pixels.len(), 1, |k| class((k, &pixels[k])))
-}
-
 /// Fill of a frame of which strip after strip is added.
 #[derive(Debug, Clone, Default)]
 pub struct FrameFillBuilder {
     filled: usize,
-    /// Least and greatest azimuth, radians.
-    azimuth: ValueRange,
-    /// Least and greatest Z of the directions seen.
-    rise: ValueRange,
+    range: FilledRange,
     lost: [usize; 8],
 }
 
-/// Least and greatest of some values.
-#[derive(Debug, Clone, Copy, Default)]
-struct ValueRange(Option<[f64; 2]>);
-
-impl ValueRange {
-    fn add(&mut self, value: f64) {
-        let [lo, hi] = self.0.unwrap_or([value; 2]);
-        self.0 = Some([lo.min(value), hi.max(value)]);
-    }
-
-    /// Whether a value that is off by [`ROUGH`] at the most changes nothing.
-    fn holds(&self, value: f64) -> bool {
-        self.0.is_some_and(|[lo, hi]| value > lo + ROUGH && value < hi - ROUGH)
-    }
-
-    fn join(&mut self, other: Self) {
-        other.0.into_iter().flatten().for_each(|end| self.add(end));
-    }
-}
-
-/// More than a difference of two azimuths by [`rough_azimuth`] is off, and one more, radians.
-const ROUGH: f64 = 0.02;
-
-/// The azimuth of a direction to 0.004 radians, in the time of a division.
-#[inline]
-fn rough_azimuth(direction: DVec3) -> f64 {
-    let (east, north) = (direction.x.abs(), direction.y.abs());
-    let ratio = east.min(north) / east.max(north);
-    let angle = ratio * (FRAC_PI_4 + 0.273 * (1.0 - ratio));
-    let angle = if east > north { FRAC_PI_2 - angle } else { angle };
-    let angle = if direction.y < 0.0 { PI - angle } else { angle };
-    angle.copysign(direction.x)
-}
-
-/// The azimuth that a pixel shows, continuous from the expected one, so that errors at the seam do not wrap.
-fn azimuth(pixel: &PixelTrace) -> f64 {
-    let expected = atan2(pixel.expected.x, pixel.expected.y);
-    expected + wrap_turn(atan2(pixel.direction.x, pixel.direction.y) - expected)
-}
-
 impl FrameFillBuilder {
-    /// Adds the pixels of some rows, and their classes.
-    pub fn add(&mut self, rows: &TraceResult, classes: &[PixelClass]) {
-        const PIECE: usize = 1 << 14;
-        let pieces = classes.len().div_ceil(PIECE);
-        let before = self.azimuth;
-        let piece = |k: usize| {
-            let piece = k * PIECE..classes.len().min((k + 1) * PIECE);
-            let mut found = Self { azimuth: before, ..Self::default() };
-            for (pixel, class) in rows.pixels[piece.clone()].iter().zip(&classes[piece]) {
-                found.add_pixel(pixel, *class);
+    /// Adds a strip.
+    pub fn add(&mut self, strip: &TraceStrip) {
+        for class in &strip.classes {
+            if *class == PixelClass::Filled {
+                self.filled += 1;
+                continue;
             }
-            found
-        };
-        for found in parallel::map(pieces, 1, piece) {
-            self.filled += found.filled;
-            self.azimuth.join(found.azimuth);
-            self.rise.join(found.rise);
-            self.lost.iter_mut().zip(found.lost).for_each(|(sum, count)| *sum += count);
-        }
-    }
-
-    fn add_pixel(&mut self, pixel: &PixelTrace, class: PixelClass) {
-        if class != PixelClass::Filled {
-            let cause = PixelClass::LOST.iter().position(|lost| *lost == class);
+            let cause = PixelClass::LOST.iter().position(|lost| lost == class);
             self.lost[cause.expect("every other class is listed")] += 1;
-            return;
         }
-        self.filled += 1;
-        self.rise.add(pixel.direction.z);
-        // Most pixels are no end of the range, which needs no exact angle.
-        let expected = rough_azimuth(pixel.expected);
-        let step = rough_azimuth(pixel.direction) - expected;
-        if step.abs() < FRAC_PI_2 && self.azimuth.holds(expected + step) {
-            return;
-        }
-        self.azimuth.add(azimuth(pixel));
+        strip.digests.iter().for_each(|digest| self.range.join(digest.filled));
     }
 
     /// The fill of the frame of so many columns and rows, under the tolerance of the classes.
@@ -245,10 +97,10 @@ impl FrameFillBuilder {
             pixels,
             filled: filled / (width * height),
             tolerance_px,
-            azimuth_deg: self.azimuth.0.map(|range| range.map(degrees)),
+            azimuth_deg: self.range.azimuth().map(|range| range.map(degrees)),
             elevation_deg: self
-                .rise
-                .0
+                .range
+                .rise()
                 .map(|range| range.map(|z| degrees(asin(z.clamp(-1.0, 1.0))))),
             gain_over_disc: filled / disc - 1.0,
             lost: LostPixels { beyond, rim, ridge, shadow, content, back_face, missed, obstacle },
@@ -259,44 +111,42 @@ impl FrameFillBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::{cos, sin};
-    use crate::trace::RayErrors;
+    use crate::geom::DVec3;
+    use crate::optics::ShownContent;
+    use crate::trace::digest::Digest;
+    use crate::trace::{ExpectedRay, Outcome, PixelTrace, RayErrors};
 
     fn pixel(outcome: Outcome, error: f64) -> PixelTrace {
         PixelTrace {
             outcome,
             aimed: true,
-            expected: DVec3::Y,
             direction: DVec3::new(0.6, 0.8, 0.0),
             hit_point: DVec3::ZERO,
             errors: Some(RayErrors { angle_rad: error, image_mm: error, facet_mm: error }),
-            smooth: None,
         }
     }
 
+    /// The fill of pixels that are all to see the north, and their classes.
     fn frame_of(
-        trace: TraceResult,
+        traced: Vec<PixelTrace>,
         pixels: [u32; 2],
         folded: bool,
     ) -> (FrameFill, Vec<PixelClass>) {
-        let strip = TraceStrip::whole(trace, pixels);
-        let classes = classify_pixels(&strip, 0.1, 6.0, folded);
+        let nothing = ShownContent::NONE;
+        let north = ExpectedRay { aimed: true, direction: DVec3::Y, designed: nothing };
+        let mut digest = Digest::default();
+        digest.add(&traced, &vec![north; traced.len()], 0.6);
+        let frame = pixels.map(|n| n as usize);
+        let (rows, classes) = (0..frame[1], Vec::new());
+        let mut strip = TraceStrip { frame, rows, pixels: traced, classes, digests: vec![digest] };
+        strip.classify([vec![], vec![]], folded);
         let mut frame = FrameFillBuilder::default();
-        frame.add(&strip.traced, &classes);
-        (frame.finish(pixels, 6.0), classes)
+        frame.add(&strip);
+        (frame.finish(pixels, 6.0), strip.classes)
     }
 
-    fn frame(pixel: Vec<PixelTrace>, pixels: [u32; 2]) -> FrameFill {
-        frame_of(TraceResult { pixels: pixel }, pixels, false).0
-    }
-
-    #[test]
-    fn rough_azimuths_are_as_near_as_is_said() {
-        for k in -3141..=3141 {
-            let angle = f64::from(k) * 1e-3;
-            let direction = DVec3::new(sin(angle), cos(angle), 0.3);
-            assert!((rough_azimuth(direction) - angle).abs() < 0.004, "{angle}");
-        }
+    fn frame(traced: Vec<PixelTrace>, pixels: [u32; 2]) -> FrameFill {
+        frame_of(traced, pixels, false).0
     }
 
     #[test]
@@ -354,7 +204,7 @@ mod tests {
         for (row, column, pixel, _) in cases {
             traced[row * width + column] = pixel;
         }
-        let (frame, found) = frame_of(TraceResult { pixels: traced }, pixels, true);
+        let (frame, found) = frame_of(traced, pixels, true);
         for (row, column, _, class) in cases {
             assert_eq!(found[row * width + column], class, "row {row}, column {column}");
         }

@@ -7,7 +7,7 @@
 use super::coverage::union;
 use super::pixel_trace::PixelTrace;
 use super::ray_end::Outcome;
-use super::trace_result::TraceStrip;
+use super::trace_strip::TraceStrip;
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, ImagingTask};
@@ -109,7 +109,7 @@ impl<'a> ObstructionBuilder<'a> {
             return;
         }
         let width = strip.frame[0];
-        let seen: Vec<Seen> = parallel::map_slice(&strip.traced.pixels, 4096, |p| self.seen(p));
+        let seen: Vec<Seen> = parallel::map_slice(&strip.pixels, 4096, |p| self.seen(p));
         let first = strip.rows.start;
         let above = self.last.take();
         let mut rows: Vec<(usize, &[Seen])> = Vec::new();

@@ -21,16 +21,12 @@ pub struct PixelTrace {
     pub outcome: Outcome,
     /// Whether the designed mirror is under the ray.
     pub aimed: bool,
-    /// Expected unit direction.
-    pub expected: DVec3,
     /// Unit direction of the reflected ray; the zero vector for rays that are not reflected.
     pub direction: DVec3,
     /// Point where the ray meets its nearest facet, mm; the zero vector without one.
     pub hit_point: DVec3,
     /// Errors by the facet's own normal, for aimed rays that hit, where a projection is given.
     pub errors: Option<RayErrors>,
-    /// Errors by the file's interpolated normals, where it has any.
-    pub smooth: Option<RayErrors>,
 }
 
 impl PixelTrace {
@@ -38,10 +34,8 @@ impl PixelTrace {
     pub(super) const MISSED: Self = Self {
         outcome: Outcome::Missed,
         aimed: false,
-        expected: DVec3::ZERO,
         direction: DVec3::ZERO,
         hit_point: DVec3::ZERO,
         errors: None,
-        smooth: None,
     };
 }

@@ -1,25 +1,16 @@
 //! Numbers and errors of the rays of a frame, of which strip after strip is traced and forgotten.
 
 use super::digest::ErrorList;
-use super::trace_result::TraceStrip;
+use super::outcome_counts::OutcomeCounts;
+use super::trace_strip::TraceStrip;
 use crate::num::stats::{Summary, SummaryBuilder};
 use crate::parallel;
 
 /// Numbers of the rays aimed at the mirror by outcome, and their errors.
 #[derive(Debug, Clone, Default)]
 pub struct TraceSummary {
-    /// Rays aimed at the mirror.
-    pub aimed: usize,
-    /// Of these, reflected into the world.
-    pub hit: usize,
-    /// Meeting nothing.
-    pub missed: usize,
-    /// Reflected against the part itself.
-    pub shadowed: usize,
-    /// Meeting the back of a facet.
-    pub back_face: usize,
-    /// Hidden by an obstacle.
-    pub obstructed: usize,
+    /// Numbers of the rays.
+    pub counts: OutcomeCounts,
     facet: ErrorSummary,
     smooth: ErrorSummary,
 }
@@ -63,20 +54,12 @@ impl TraceSummary {
     /// Adds a strip, which follows those that were added before.
     pub fn add(&mut self, strip: &TraceStrip) {
         let digests = &strip.digests;
-        for digest in digests {
-            self.aimed += digest.aimed;
-            self.hit += digest.hit;
-            self.missed += digest.missed;
-            self.shadowed += digest.shadowed;
-            self.back_face += digest.back_face;
-            self.obstructed += digest.obstructed;
-        }
-        let [facet, smooth]: [Vec<&ErrorList>; 2] = [
-            digests.iter().map(|digest| &digest.facet).collect(),
-            digests.iter().map(|digest| &digest.smooth).collect(),
-        ];
+        digests.iter().for_each(|digest| self.counts.add(&digest.counts));
+        let facet: Vec<&ErrorList> = digests.iter().map(|digest| &digest.facet).collect();
         self.facet.add(&facet);
-        self.smooth.add(&smooth);
+        let mut smooth = ErrorList::default();
+        digests.iter().flat_map(|digest| &digest.smooth).for_each(|errors| smooth.push(*errors));
+        self.smooth.add(&[&smooth]);
     }
 
     /// Summaries of the angles, radians, of the distances in the image from where the content belongs, mm, and

@@ -1,20 +1,20 @@
 //! What the bytes of one file showed: as a solid, at its vertices, and to the camera's rays.
 
+use super::expected_rays::expected_rays;
 use super::vertex_check::worst_vertex;
 use crate::brep::{Body, BodyFacts};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::forming::FormedFace;
-use crate::geom::{DVec2, DVec3};
+use crate::geom::DVec3;
 use crate::num::stats::Summary;
-use crate::optics::reflect;
 use crate::part::Promise;
 use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
 use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::{SolidCheck, check};
 use crate::trace::{
-    BodyScene, CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Obstacles, Outcome,
-    PixelClass, Scene, TraceCounts, TraceResult, TraceStrip, TraceSummary, classify_pixels,
+    BodyScene, CameraTrace, FrameFill, FrameFillBuilder, Obstacles, OutcomeCounts, Scene,
+    TraceCounts, TraceStrip, TraceSummary, WantedPicture,
 };
 use std::error::Error;
 use std::sync::Arc;
@@ -150,8 +150,8 @@ impl FileCheck {
     }
 }
 
-/// What is called with every strip of a traced frame and the classes of its pixels.
-pub(crate) type EachStrip<'a> = &'a mut dyn FnMut(&TraceStrip, &[PixelClass]);
+/// What is called with every strip of a traced frame.
+pub(crate) type EachStrip<'a> = &'a mut dyn FnMut(&TraceStrip);
 
 /// How a file is traced.
 struct FileTrace<'a> {
@@ -183,18 +183,16 @@ impl FileTrace<'_> {
         let Self { profile, design, promise, shortcuts } = self;
         let trace = if *shortcuts { trace } else { trace.without_shortcuts() };
         let table = expected_rays(design, promise.chord_mm);
-        let (view, has_normals) = (design.view.as_ref(), normals.is_some());
+        let (picture, has_normals) = (wanted_picture(profile, design), normals.is_some());
         let (mut summary, mut by_rim) = (TraceSummary::default(), 0);
-        let mut frame = view.map(|_| FrameFillBuilder::default());
-        let counts = TraceStrip::each(&trace, normals, view, table, |strip| {
+        let mut frame = picture.map(|_| FrameFillBuilder::default());
+        let counts = TraceStrip::each(&trace, normals, picture, table, |strip| {
             summary.add(strip);
-            by_rim += shadowed_by_rim(design, height, &strip.traced);
-            let mut classes = Vec::new();
+            by_rim += shadowed_by_rim(design, height, strip);
             if let Some(frame) = &mut frame {
-                classes = pixel_classes(profile, design, strip);
-                frame.add(&strip.traced, &classes);
+                frame.add(strip);
             }
-            each(strip, &classes);
+            each(strip);
         });
         let frame = frame.map(|frame| frame.finish(design.camera.pixels, tolerance_px(profile)));
         SeenFile { summary, by_rim, frame, has_normals, counts }
@@ -281,71 +279,20 @@ pub(crate) fn tolerance_px(profile: &Profile) -> f64 {
     profile.acceptance_limits().pixel_error_max_px.value
 }
 
-/// Class of every pixel of a strip.
-fn pixel_classes(profile: &Profile, design: &Design, strip: &TraceStrip) -> Vec<PixelClass> {
-    let folded = design.view.as_ref().is_some_and(|view| view.fold.is_some());
-    classify_pixels(strip, design.camera.pixel_mm, tolerance_px(profile), folded)
+/// The picture that the mirror of a design is to show, if there is one.
+pub(crate) fn wanted_picture<'a>(
+    profile: &Profile,
+    design: &'a Design,
+) -> Option<WantedPicture<'a>> {
+    let tolerance_mm = tolerance_px(profile) * design.camera.pixel_mm;
+    design.view.as_ref().map(|task| WantedPicture { task, tolerance_mm })
 }
 
-/// How many rays facets or faces below the top of what is around the mirror shadow.
-fn shadowed_by_rim(design: &Design, height: &dyn Fn(u32) -> f64, witness: &TraceResult) -> usize {
+/// How many aimed rays facets or faces below the top of what is around the mirror shadow.
+fn shadowed_by_rim(design: &Design, height: &dyn Fn(u32) -> f64, strip: &TraceStrip) -> usize {
     let Some(stock) = &design.border else { return 0 };
     let top = stock.top_mm * (1.0 + 1e-6);
-    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if height(facet) <= top))
-}
-
-/// The table of expected rays, a row of the sensor at a time, from the chart coordinates of its camera rays. Rays that
-/// may pass by the rim of facets `chord_mm` off the mirror are not aimed at it.
-pub(crate) fn expected_rays(
-    design: &Design,
-    chord_mm: f64,
-) -> impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> {
-    let Design { mirror, view, camera, .. } = design;
-    let outline = mirror.full_outline();
-    // The mirror's own camera sees the rim of the facets where the mirror's is.
-    let off_mm = if camera.chart == mirror.chart { 0.0 } else { chord_mm };
-    let beside = move |at: DVec3, along: DVec3, normal: DVec3| {
-        let step = along * (off_mm * normal.z / along.dot(normal));
-        let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
-        !(aims(at + step) && aims(at - step))
-    };
-    let [columns, _] = camera.pixels;
-    let turn = |column: u32| {
-        let x = camera.image_point(f64::from(column) + 0.5, 0.0).x;
-        view.as_ref().map_or([0.0, 1.0], |view| view.turn(x))
-    };
-    let turns: Vec<[f64; 2]> = (0..columns).map(turn).collect();
-    move |row, charted| {
-        let image_point =
-            |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let points: Vec<DVec2> = (0..columns).map(image_point).collect();
-        let rise = view.as_ref().map_or(1.0, |view| view.rise(image_point(0).y));
-        let under = |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q);
-        let places: Vec<DVec2> =
-            charted.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
-        let is_wanted = |image| view.as_ref().is_none_or(|view| view.projection.wants(image));
-        let aims = |image: DVec2, place: DVec2| outline.aims(place) && is_wanted(image);
-        let aimed = points.iter().zip(&places).filter(|(image, place)| aims(**image, **place));
-        let aimed: Vec<DVec2> = aimed.map(|(_, place)| *place).collect();
-        let mut of_aimed = mirror.eval_many(&aimed).into_iter();
-        let expected = |k: usize| {
-            let (point, turn, place) = (points[k], turns[k], places[k]);
-            let mut expected =
-                ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
-            let designed = aims(point, place).then(|| of_aimed.next()).flatten();
-            let Some(designed) = designed else { return expected };
-            let arriving = camera.chart.ray(charted[k], 0.0).direction;
-            let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
-            expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);
-            if let (true, Some(view)) = (expected.aimed, view) {
-                expected.direction = view.direction_of_turned(point, (turn, rise), at);
-                let seen = reflect(arriving, normal);
-                expected.designed = view.image_of_turned(at, seen, point, turn);
-            }
-            expected
-        };
-        (0..points.len()).map(expected).collect()
-    }
+    strip.shadowing().filter(|facet| height(*facet) <= top).count()
 }
 
 fn trace_facts(
@@ -363,7 +310,7 @@ fn trace_facts(
             facet_error_px: scaled(facet, 1.0 / pixel_mm),
         }
     };
-    let TraceSummary { aimed, hit, missed, shadowed, back_face, obstructed, .. } = summary;
+    let OutcomeCounts { aimed, hit, missed, shadowed, back_face, obstructed } = summary.counts;
     let [by_facets, by_normals] = summary.errors();
     TraceFacts {
         file,

@@ -13,7 +13,7 @@ use morion::internals::profile::{FileFormat, MeshFormat, MeshGoal, Profile};
 use morion::internals::results::{BuildReport, Verdict};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
-    CameraTrace, ExpectedRay, Outcome, PixelTrace, RayEnd, Scene, TraceResult,
+    CameraTrace, ExpectedRay, Outcome, PixelRay, PixelTrace, RayEnd, Scene, TraceResult,
 };
 
 const SMALL: (&str, &str) = ("640, 480", "96, 72");
@@ -45,7 +45,7 @@ fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> Tr
     let camera = design.camera;
     let outline = design.mirror.full_outline();
     let view = design.view.as_ref().unwrap();
-    let row = |row: u32, _: &[DVec2]| {
+    let table = |[first, row]: [u32; 2], rays: &[PixelRay]| {
         let expected = |column: u32| {
             let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let mirror = design.mirror.row(point.y).at(point.x);
@@ -54,13 +54,13 @@ fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> Tr
             ExpectedRay {
                 aimed: outline.contains(point),
                 direction: view.direction_of(point, at),
-                designed: view.image_of(at, reflect(DVec3::NEG_Z, normal), point),
+                designed: view.shown(at, reflect(DVec3::NEG_Z, normal), point),
             }
         };
-        (0..camera.pixels[0]).map(expected).collect()
+        (first..first + rays.len() as u32).map(expected).collect()
     };
     let trace = CameraTrace::new(scene, &camera, 1e3).without_shortcuts();
-    TraceResult::new(&trace, normals, Some(view), row).0
+    TraceResult::new(&trace, normals, Some(view), table).0
 }
 
 /// Summary of one error over what `profile`'s own mesh shows.
@@ -329,7 +329,7 @@ fn tilted_normals_are_seen() {
     let scene = Scene::new(reread.mesh);
     let rms = |normals: &[[DVec3; 3]]| {
         let seen = witness(&design, &scene, Some(normals));
-        seen.summary(|seen| seen.smooth.map(|e| e.angle_rad)).unwrap().rms
+        Summary::of(seen.smooth.iter().flatten().map(|e| e.angle_rad).collect()).unwrap().rms
     };
     let normals = reread.normals.as_mut().unwrap();
     let before = rms(normals);

@@ -1,6 +1,8 @@
 use super::*;
 use crate::num::{atan2, cos, radians, sin, wrap_turn};
-use crate::optics::{RadialLawKind, RimConditions, Strip, StripLaw, reflect};
+use crate::optics::{
+    RadialLawKind, ReflectedRay, RimConditions, ShownContent, Strip, StripLaw, reflect,
+};
 
 fn strip(law: StripLaw) -> Projection {
     Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.589 })
@@ -60,6 +62,35 @@ fn charts() -> [Chart; 2] {
 
 fn points() -> impl Iterator<Item = DVec2> {
     (0..100).map(|k| DVec2::new(f64::from(k % 10) * 4.1 - 20.0, f64::from(k / 10) * 1.1 + 6.5))
+}
+
+/// Of rays near and far from what is wanted, on both panels, some of which are found side by side and some alone.
+#[test]
+fn content_beside_what_is_wanted_is_where_it_is_found_alone() {
+    for view in views() {
+        for side in [1.0, -1.0] {
+            let images = points().map(|q| q * DVec2::new(1.0, side));
+            let rays: Vec<(ReflectedRay, ShownContent)> = images
+                .enumerate()
+                .map(|(k, near)| {
+                    let at = DVec3::new(0.3 * near.x, 0.2 * near.y, 4.0);
+                    let wanted = view.wanted((near, view.turn(near.x)), view.rise(near.y));
+                    let off = if k < 40 { 1e-6 } else { [1e-9, 1e-4, 1e-2, 0.1][k % 4] };
+                    let along = view.direction_to(&wanted, at) + DVec3::new(off, -off, 0.3 * off);
+                    let (direction, turn) = (along.normalize(), view.turn(near.x));
+                    (ReflectedRay { at, direction, near, turn }, wanted)
+                })
+                .collect();
+            for count in [100, 97, 1] {
+                let beside = view.shown_beside(&rays[..count]);
+                for ((ray, _), beside) in rays.iter().zip(&beside) {
+                    let alone = view.image_of(ray.at, ray.direction, ray.near);
+                    assert!((beside.image - alone).length() < 2e-13, "{alone} {beside:?}");
+                }
+                assert_eq!(beside.len(), count);
+            }
+        }
+    }
 }
 
 #[test]

@@ -238,6 +238,7 @@ impl ProgramTable<'_, '_, '_, '_> {
             max_feed_mm_min: feed.unwrap_or(usual.max_feed_mm_min),
             max_spindle_rpm: spindle.unwrap_or(usual.max_spindle_rpm),
             acceleration_mm_s2: acceleration.unwrap_or(usual.acceleration_mm_s2),
+            jerk_mm_s3: self.jerk(),
             travel_mm: self
                 .travel(["the machine's travels [X, Y, Z]", "as in travel_mm = [300, 200, 80]"]),
             safe_mm: safe.unwrap_or(usual.safe_mm),

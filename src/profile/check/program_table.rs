@@ -119,6 +119,12 @@ impl ProgramTable<'_, '_, '_, '_> {
         [rapid, spindle, acceleration, safe]
     }
 
+    /// How fast the acceleration of the axes may change.
+    pub(super) fn jerk(&mut self) -> Option<f64> {
+        let hint = "how fast their acceleration may change, as in jerk_mm_s3 = 5000";
+        self.value("jerk_mm_s3", [1.0, 1e9], hint)
+    }
+
     /// How far the axes of a machine travel.
     pub(super) fn travel<const N: usize>(
         &mut self,

@@ -121,6 +121,7 @@ impl ProgramTable<'_, '_, '_, '_> {
             rapid_mm_min: rapid.unwrap_or(usual.rapid_mm_min),
             max_spindle_rpm: spindle.unwrap_or(usual.max_spindle_rpm),
             acceleration_mm_s2: acceleration.unwrap_or(usual.acceleration_mm_s2),
+            jerk_mm_s3: self.jerk(),
             travel_mm: self.travel(travel),
             safe_mm: safe.unwrap_or(usual.safe_mm),
         }

@@ -8,8 +8,8 @@ use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
     CameraTrace, Coverage, CoverageBuilder, ExpectedRay, FrameFill, FrameFillBuilder, Obstacles,
-    Obstruction, ObstructionBuilder, Outcome, PixelClass, PixelTrace, Scene, TraceCounts,
-    TraceStrip, TraceSummary, classify_pixels,
+    Obstruction, ObstructionBuilder, Outcome, PixelClass, PixelRay, PixelTrace, Scene, TraceCounts,
+    TraceStrip, TraceSummary, WantedPicture,
 };
 use std::sync::Arc;
 
@@ -31,8 +31,8 @@ fn part_of(profile: &Profile, pixels: [u32; 2]) -> (Design, Scene) {
     (design, Scene::new(solid.mesh().clone()))
 }
 
-/// The expected rays of a row of the sensor.
-fn expected(design: &Design, row: u32) -> Vec<ExpectedRay> {
+/// The expected rays of so many pixels in a row of the sensor.
+fn expected(design: &Design, [first, row]: [u32; 2], count: usize) -> Vec<ExpectedRay> {
     let (camera, view) = (&design.camera, design.view.as_ref().unwrap());
     let outline = design.mirror.full_outline();
     let ray = |column: u32| {
@@ -44,10 +44,10 @@ fn expected(design: &Design, row: u32) -> Vec<ExpectedRay> {
         ExpectedRay {
             aimed: outline.contains(point),
             direction: view.direction_of(point, at),
-            designed: view.image_of(at, reflect(arriving, normal), point),
+            designed: view.shown(at, reflect(arriving, normal), point),
         }
     };
-    (0..camera.pixels[0]).map(ray).collect()
+    (first..first + count as u32).map(ray).collect()
 }
 
 /// All that is found of a frame.
@@ -67,15 +67,15 @@ fn found(design: &Design, scene: &Scene, strip_pixels: usize) -> (Found, usize) 
     let (mut summary, mut fill) = (TraceSummary::default(), FrameFillBuilder::default());
     let mut coverage = CoverageBuilder::new(camera, view);
     let mut hidden = ObstructionBuilder::new(camera, view, design.obstacles.len());
-    let table = |row, _: &[DVec2]| expected(design, row);
-    let counts = TraceStrip::each(&trace, None, Some(view), table, |strip| {
-        let of_strip = classify_pixels(strip, camera.pixel_mm, TOLERANCE_PX, view.fold.is_some());
+    let table = |at, rays: &[PixelRay]| expected(design, at, rays.len());
+    let picture = WantedPicture { task: view, tolerance_mm: TOLERANCE_PX * camera.pixel_mm };
+    let counts = TraceStrip::each(&trace, None, Some(picture), table, |strip| {
         summary.add(strip);
-        fill.add(&strip.traced, &of_strip);
-        coverage.add(strip, &of_strip);
+        fill.add(strip);
+        coverage.add(strip);
         hidden.add(strip);
-        pixels.extend_from_slice(&strip.traced.pixels);
-        classes.extend(of_strip);
+        pixels.extend_from_slice(&strip.pixels);
+        classes.extend_from_slice(&strip.classes);
         strips += 1;
     });
     let fill = fill.finish(camera.pixels, TOLERANCE_PX);
