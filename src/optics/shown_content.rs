@@ -87,7 +87,8 @@ impl ImagingTask {
     }
 
     /// What reflected rays near image points of one row show, each beside known content of its panel: what
-    /// [`ImagingTask::shown_turned`] finds but for the last bits, in less time where the two are close.
+    /// [`ImagingTask::shown_turned`] finds but for the last bits, in less time where the two are close. (Half a turn from
+    /// `near` it goes on where that begins anew on the other side.)
     #[must_use]
     pub fn shown_beside(&self, rays: &[(ReflectedRay, ShownContent)]) -> Vec<ShownContent> {
         let seen = |(ray, _): &(ReflectedRay, ShownContent)| ShownContent {
@@ -117,12 +118,15 @@ impl ImagingTask {
     }
 
     /// Finds the image points of directions beside known ones, if all of them are close to those.
-    fn place_beside<const L: usize>(
+    pub(super) fn place_beside<const L: usize>(
         &self,
         shown: &mut [ShownContent; L],
         rays: &[(ReflectedRay, ShownContent); L],
     ) -> bool {
         let Projection::Strip(strip) = &self.projection else { return false };
+        if !strip.law.has_steps() {
+            return false;
+        }
         let flip = rays.first().map_or(DVec2::ONE, |(ray, _)| self.flip(ray.near).truncate());
         let seen = Lanes::of_points(shown.each_ref().map(|content| content.direction));
         let known = Lanes::of_points(rays.each_ref().map(|(_, known)| known.direction));

@@ -69,9 +69,6 @@ impl Strip {
         sigma: [Lanes<L>; 2],
         (known, [x, y]): ([Lanes<L>; 2], [Lanes<L>; 2]),
     ) -> Option<[Lanes<L>; 2]> {
-        if !self.law.has_steps() {
-            return None;
-        }
         let [latitude, azimuth] = stereographic::step_between(known, sigma)?;
         let z = self.law.image_coordinate_beside(y / self.scale_mm + self.z, latitude)?;
         Some([x + azimuth * self.scale_mm, (z - self.z) * self.scale_mm])

@@ -4,8 +4,9 @@
 //! its feed. Through a corner that turns the direction by the angle t the speed is that at which an arc that stays within `d` of
 //! the corner has a centripetal acceleration of a: `v^2 = a d s / (1 - s)`, where s is the sine of half the angle between the two
 //! moves, so that s = cos(t / 2) (S. K. Jeon's corners, which grbl takes, with d = 0.01 mm). At the program's ends the speed is 0.
-//! With a jerk j the control takes the mean of its speeds over a / j, which is what speeding up takes longer: a move from rest to rest
-//! over the length l at its feed v takes l / v + v / a + a / j, as with S-shaped ramps; nothing else waits, as at corners it goes on.
+//! Where a move turns back, the speed is 0 too. With a jerk j the control takes the mean of its speeds over a / j, by which each stop
+//! is later: a move from rest to rest over the length l at its feed v takes l / v + v / a + a / j. From v = a^2 / j on that is the time
+//! of S-shaped ramps; a slower move would take 2 sqrt(v / j) in the place of the last two terms, which is less.
 //! Two passes over the moves, backwards and forwards, hold the speeds at corners to what can be reached and stopped from.
 
 use super::ToolMove;
@@ -48,6 +49,9 @@ const PARTS: usize = 220;
 /// How far the arc that gives a corner its speed is off the corner, mm: what grbl sets as it comes.
 const CORNER_MM: f64 = 0.01;
 
+/// Cosine of the angle between two moves from which on the second one goes back: what grbl takes.
+const TURNS_BACK: f64 = -0.999_999;
+
 impl MachineLimits {
     /// Time for `moves` one after the other.
     #[must_use]
@@ -89,6 +93,7 @@ impl MachineLimits {
             let length = step.from.distance(step.to);
             let rapid_min = match step.feed {
                 Some(_) => 0.0,
+                None if length == 0.0 => 0.0,
                 None => {
                     let limit = self.rapid_mm_min / 60.0;
                     let parts = phases(length, limit, [0.0; 2], self.acceleration_mm_s2);
@@ -127,6 +132,7 @@ impl MachineLimits {
             let corner = (acceleration * CORNER_MM * half / (1.0 - half)).sqrt();
             // (Straight on there is no corner.)
             let corner = if half < 1.0 { corner } else { f64::INFINITY };
+            let corner = if cosine > TURNS_BACK { corner } else { 0.0 };
             speeds[k + 1] = corner.min(self.speed(before)).min(self.speed(after));
         }
         let reached = |speed: f64, step: &ToolMove| {
@@ -220,14 +226,15 @@ mod tests {
         let found = 60.0 * limits.time(&long).minutes();
         assert!((found - (2.0 * time + (10.0 - 2.0 * way) / 10.0)).abs() < 1e-4, "{found}");
         assert!((found - (60.0 * minutes(&long) + 0.01)).abs() < 1e-12);
-        let there_and_back = path(&[DVec3::ZERO, DVec3::X * 10.0, DVec3::ZERO], 600.0);
+        let oblique = DVec3::new(3.0, 7.0, 1.3).normalize() * 10.0;
+        let there_and_back = path(&[DVec3::ZERO, oblique, DVec3::ZERO], 600.0);
         let on = path(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::X * 10.0], 600.0);
         let time = |moves: &[ToolMove]| 60.0 * limits.time(moves).minutes();
         assert!((time(&there_and_back) - 2.0 * found).abs() < 1e-12);
         assert!((time(&on) - found).abs() < 1e-12);
-        let mut rapid = path(&[DVec3::ZERO, DVec3::X * 10.0], 600.0);
-        rapid[0].feed = None;
-        let told = 60.0 * limits.told_time(&rapid, &[0.0]).minutes();
+        let mut rapid = path(&[DVec3::ZERO, DVec3::X * 10.0, DVec3::X * 10.0], 600.0);
+        rapid.iter_mut().for_each(|step| step.feed = None);
+        let told = 60.0 * limits.told_time(&rapid, &[0.0; 2]).minutes();
         assert!((told - (2.0 * f64::sqrt(10.0 / 500.0) + 0.01)).abs() < 1e-12);
     }
 

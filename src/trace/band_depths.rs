@@ -2,8 +2,8 @@
 
 use super::ray_end::RayEnd;
 
-/// Rows of a band, which is resolved by one thread, by the frame's columns: what is kept of a band's pixels, some 150
-/// bytes each, then takes 5 MB at the most, and slices of bands stay in the processor's cache.
+/// Rows of a band, which is resolved by one thread, by the frame's columns: what is kept of a band's pixels, some 100
+/// bytes each, then takes some 3 MB at the most.
 pub(super) const fn band_rows(columns: usize) -> usize {
     match columns {
         ..=1024 => 32,

@@ -115,8 +115,7 @@ impl CameraRays {
             .map_or_else(|| columns.map(|column| self.charted(column, row)).collect(), Into::into)
     }
 
-    /// Rays through the centres of so many neighbours in a row, from the pixel of a column and a row on; of rows that
-    /// are charted.
+    /// Rays through the centres of so many neighbours in a row, from the pixel of a column and a row on.
     pub(super) fn of_neighbours(&self, [column, row]: [usize; 2], count: usize) -> Vec<PixelRay> {
         let (chart, columns) = (&self.camera.chart, column..column + count);
         let ray = |charted: DVec2| PixelRay { charted, ray: chart.ray(charted, self.top_mm) };

@@ -139,7 +139,7 @@ impl<'a> CameraTrace<'a> {
 
     /// Most pixels of a slice, unless its threads' bands have more: what is kept of them takes 10 MB.
     const SLICE_PIXELS: usize = 1 << 16;
-    /// Bands of a slice for each thread at the least: enough for threads to finish at about the same time.
+    /// Bands of a slice for each thread, where the strip has so many: enough for threads to finish at about the same time.
     const BANDS_PER_THREAD: usize = 4;
 
     /// What is needed to trace the rows of a strip.

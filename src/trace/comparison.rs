@@ -19,7 +19,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 /// Neighbours of a row that are compared together.
-const RUN: usize = 256;
+const RUN_OF_PIXELS: usize = 256;
 
 /// Comparison of traced rays with expected ones.
 pub(super) struct Comparison<'a, 'b, T> {
@@ -133,8 +133,8 @@ impl<'a, 'b, T: Fn([u32; 2], &[PixelRay]) -> Vec<ExpectedRay> + Sync> Comparison
         let columns = self.columns();
         (0..pixels).step_by(columns).flat_map(move |start| {
             let row = first + start / columns;
-            (0..columns).step_by(RUN).map(move |column| {
-                ([column, row], start + column..start + columns.min(column + RUN))
+            (0..columns).step_by(RUN_OF_PIXELS).map(move |column| {
+                ([column, row], start + column..start + columns.min(column + RUN_OF_PIXELS))
             })
         })
     }

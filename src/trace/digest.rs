@@ -41,7 +41,7 @@ pub(super) struct Digest {
     pub facet: ErrorList,
     /// Errors by the file's own normals: one entry a pixel, or none where the file has no normals.
     pub smooth: Vec<Option<RayErrors>>,
-    /// Classes of the pixels as far as each alone tells, where there is a picture.
+    /// Classes of the pixels as far as each alone tells: without a picture of no use.
     pub classes: Vec<Option<PixelClass>>,
     /// What the filled pixels show.
     pub filled: FilledRange,

@@ -30,6 +30,8 @@ pub enum PixelClass {
 
 impl PixelClass {
     /// The causes of loss, in the order of [`LostPixels`].
+    ///
+    /// [`LostPixels`]: super::LostPixels
     pub const LOST: [Self; 8] = [
         Self::Beyond,
         Self::Rim,

@@ -36,16 +36,14 @@ pub(crate) fn expected_rays(
             rays.iter().map(|ray| under(ray).unwrap_or(DVec2::INFINITY)).collect();
         let is_wanted = |image| view.as_ref().is_none_or(|view| view.projection.wants(image));
         let aims = |image: DVec2, place: DVec2| outline.aims(place) && is_wanted(image);
-        let aimed = points.iter().zip(&places).filter(|(image, place)| aims(**image, **place));
-        let aimed: Vec<DVec2> = aimed.map(|(_, place)| *place).collect();
-        let of_aimed = mirror.eval_many(&aimed);
+        let aimed: Vec<usize> = (0..rays.len()).filter(|k| aims(points[*k], places[*k])).collect();
+        let of_aimed = mirror.eval_many(&aimed.iter().map(|k| places[*k]).collect::<Vec<_>>());
         let nothing = ShownContent::NONE;
         let unaimed = ExpectedRay { aimed: false, direction: DVec3::Z, designed: nothing };
         let mut expected = vec![unaimed; rays.len()];
         // Their numbers, and what they see.
         let (mut seeing, mut seen) = (Vec::new(), Vec::new());
-        let are_aimed = (0..rays.len()).filter(|k| aims(points[*k], places[*k]));
-        for (k, designed) in are_aimed.zip(&of_aimed) {
+        for (k, designed) in aimed.into_iter().zip(&of_aimed) {
             let (near, turn, place) = (points[k], turns[column as usize + k], places[k]);
             let arriving = rays[k].ray.direction;
             let normal = mirror.normal(place, designed);

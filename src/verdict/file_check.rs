@@ -94,8 +94,7 @@ impl FileCheck {
 
     /// Of a mesh whose facets keep to `design` as promised, by the camera's rays; and what those took. With
     /// `shortcuts` rays of which the outcome is proven are not followed. `each` is called with every strip of
-    /// the frame and the classes of its pixels, which are forgotten thereafter: where there is no projection
-    /// without classes.
+    /// the frame, which is forgotten thereafter: where there is no projection without classes.
     pub(crate) fn traced(
         (profile, design): (&Profile, &Design),
         (file, format): (FileFacts, MeshFormat),

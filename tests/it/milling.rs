@@ -126,12 +126,12 @@ chord_um = 5
 formats = ["stl"]
 "#;
 
-/// All controls get the same moves, and the file that is written is the one that passes when it is verified by itself.
+/// All controls get the same moves, which take longer where a jerk is told; and the file that is written is the one that passes when it is verified by itself.
 #[test]
 fn every_control_reads_the_same_moves_and_a_digit_spoils_them() {
-    let read = |control: MillControl| {
+    let read = |control: MillControl, more: &str| {
         // Lines that are farther apart are sooner cut, and displace the picture in proportion.
-        let mut profile = small("ball_mm = 1.5\nstepover_mm = 0.12");
+        let mut profile = small(&format!("ball_mm = 1.5\nstepover_mm = 0.12\n{more}"));
         let coarser = times(5, 2) as f64 / 2.0;
         mill(&mut profile).finishing.stepover_mm = Some(0.12 * coarser);
         profile.accept.pixel_error_rms_px = Some(4.0 * coarser);
@@ -140,15 +140,19 @@ fn every_control_reads_the_same_moves_and_a_digit_spoils_them() {
         let (report, files) = milled(&profile);
         assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
         let programs = OperationKind::ALL.map(|kind| text(&files, &format!("{}.ngc", kind.name())));
-        (profile, programs)
+        (profile, programs, report.operations.iter().map(|done| done.machine_min).sum::<f64>())
     };
-    let (profile, one) = read(MillControl::Linuxcnc);
+    let (profile, one, quick_min) = read(MillControl::Linuxcnc, "");
     let moves = |program: &str| {
         let moves = ToolPath::read(program.as_bytes()).unwrap().moves;
         moves.into_iter().map(|step| (step.from, step.to, step.feed)).collect::<Vec<_>>()
     };
-    for control in [MillControl::Grbl, MillControl::Fanuc] {
-        let (_, other) = read(control);
+    for (control, jerk) in [(MillControl::Grbl, ""), (MillControl::Fanuc, "jerk_mm_s3 = 5000")] {
+        let (_, other, minutes) = read(control, jerk);
+        // A tenth of a second for each stop.
+        let stops = 600.0 * (minutes - quick_min);
+        assert!(stops.abs() < 1e-6 || !jerk.is_empty() && stops > 3.0, "{control:?}: {stops}");
+        assert_eq!(stops > 1.0, !jerk.is_empty());
         for (a, b) in one.iter().zip(&other) {
             assert_eq!(moves(a), moves(b), "{control:?}");
         }

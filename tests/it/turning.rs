@@ -53,6 +53,23 @@ fn text(files: &[OutputFile], name: &str) -> String {
     String::from_utf8(file.bytes.clone()).unwrap()
 }
 
+/// Each stop of a program is later by the time in which the acceleration is built up, and nothing else changes.
+#[test]
+fn a_jerk_makes_turning_take_longer() {
+    let facing =
+        |more: &str| turned(&parsed(&format!("{DOME}nose_mm = 1.5\nfeed_mm_rev = 0.12\n{more}")));
+    let ((quick, files), (slow, same)) = (facing(""), facing("jerk_mm_s3 = 5000\n"));
+    for (quick, slow) in quick.operations.iter().zip(&slow.operations) {
+        let stops = 60.0 * (slow.machine_min - quick.machine_min) / 0.1;
+        assert!(stops > 0.9 && (stops - stops.round()).abs() < 1e-3, "{stops}");
+    }
+    let program = |files: &[OutputFile]| text(files, "finishing.ngc");
+    let moves = |text: String| {
+        text.lines().filter(|line| !line.starts_with('(')).map(String::from).collect::<Vec<_>>()
+    };
+    assert_eq!(moves(program(&files)), moves(program(&same)));
+}
+
 /// Roughing leaves its allowance and semi-finishing a third of it, within a tenth; finishing goes nowhere deeper than its chords and
 /// half a micrometre, its highest cusps have T117's height, and the picture is what its slopes are foreseen to do.
 #[test]

@@ -81,6 +81,11 @@ fn content_beside_what_is_wanted_is_where_it_is_found_alone() {
                     (ReflectedRay { at, direction, near, turn }, wanted)
                 })
                 .collect();
+            let first: &[(ReflectedRay, ShownContent); 4] = rays.first_chunk().unwrap();
+            let mut shown = first.map(|(ray, _)| view.shown(ray.at, ray.direction, ray.near));
+            let is_short =
+                matches!(&view.projection, Projection::Strip(strip) if strip.law.has_steps());
+            assert_eq!(view.place_beside(&mut shown, first), is_short);
             for count in [100, 97, 1] {
                 let beside = view.shown_beside(&rays[..count]);
                 for ((ray, _), beside) in rays.iter().zip(&beside) {
