@@ -67,7 +67,7 @@ impl StripLaw {
         }
     }
 
-    /// The image coordinates where the isometric latitude is `step`, at most 1 / 16, more than at `z`, but for the last bits;
+    /// The image coordinates where the isometric latitude is `step`, at most 1 / 32, more than at `z`, but for the last bits;
     /// none where one needs [`Self::image_coordinate`].
     #[inline(always)]
     #[must_use]
