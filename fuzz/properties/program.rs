@@ -1,7 +1,9 @@
 //! Programs of numerical control.
 
-use morion::internals::geom::DVec2;
-use morion::internals::program::{SweptBall, ToolMove, ToolPath, TurnedSurface, TurningPath};
+use morion::internals::geom::{Cutter, DVec2};
+use morion::internals::program::{
+    SweptCutter, ToolMove, ToolPath, TurnedSlopes, TurnedSurface, TurningPath,
+};
 
 /// Moves of which the surface is compared with a search among all of them.
 const MOST: usize = 500;
@@ -35,12 +37,24 @@ pub fn holds(bytes: &[u8]) {
         let read = ToolPath::read(plain.as_bytes()).expect("moves that were read");
         assert_eq!(ends(&read.moves), ends(moves));
     }
-    let swept = SweptBall::new(moves, 2.0, [DVec2::splat(-10.0), DVec2::splat(10.0)]);
-    for k in 0..64 {
-        let at = DVec2::new(f64::from(k % 8), f64::from(k / 8)) * 2.5 - 9.0;
-        let of = |step: usize| swept.of_step(step, at).map(|(z, _)| z);
-        let least = (0..moves.len()).filter_map(of).reduce(f64::min);
-        assert_eq!(swept.lowest(at).map(|found| found.z_mm), least, "{at}");
+    for corner_mm in [2.0, 0.5, 0.0] {
+        let cutter = Cutter { radius_mm: 2.0, corner_mm };
+        let corners = [DVec2::splat(-10.0), DVec2::splat(10.0)];
+        let swept = SweptCutter::new(moves, cutter, corners);
+        for k in 0..64 {
+            let at = DVec2::new(f64::from(k % 8), f64::from(k / 8)) * 2.5 - 9.0;
+            let of = |step: usize| swept.of_step(step, at).map(|(z, _)| z);
+            let least = (0..moves.len()).filter_map(of).reduce(f64::min);
+            let found = swept.lowest(at).map(|found| found.z_mm);
+            // (The places of cutters with a flat end are found by halving.)
+            let off = found.zip(least).map_or(0.0, |(a, b)| (a - b).abs());
+            let rounding =
+                if corner_mm == 2.0 { 0.0 } else { 1e-9 * (1.0 + least.unwrap_or(0.0).abs()) };
+            assert!(
+                found.is_some() == least.is_some() && off <= rounding,
+                "{at}: {found:?} {least:?}"
+            );
+        }
     }
 }
 
@@ -67,6 +81,18 @@ fn sections(path: &TurningPath) {
     let cusps: Vec<f64> = section.cusps().collect();
     assert!(cusps.windows(2).all(|pair| pair[0] < pair[1]), "{cusps:?}");
     assert!(cusps.iter().all(|at| section.lowest(*at).is_none_or(|place| place.z_mm.is_finite())));
+    for k in 0..32 {
+        let at = 0.37 * f64::from(k);
+        let [cut, plain] = [section.lowest(at), section.without_cusps(at)];
+        // Without cusps a section is nowhere higher.
+        assert!(cut.is_some() == plain.is_some());
+        assert!(cut.zip(plain).is_none_or(|(cut, plain)| plain.z_mm <= cut.z_mm), "{at}");
+    }
+    let slopes = TurnedSlopes::new(surface);
+    for k in 0..64 {
+        let at = DVec2::new(f64::from(k % 8), f64::from(k / 8)) * 2.5 - 9.0;
+        assert!(slopes.slope_over(at).is_none_or(|slope| slope.is_finite()), "{at}");
+    }
 }
 
 /// The same cuts, each from where it begins, in plain words.

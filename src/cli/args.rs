@@ -133,6 +133,12 @@ pub(super) struct VerifyArgs {
     /// Radius of the ball cutter whose tip a program moves, its origin on the part's base below the camera's axis
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub ball_mm: Option<f64>,
+    /// Radius of the flat cutter whose tip a program moves; with --corner-mm it is bull-nosed
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub cutter_mm: Option<f64>,
+    /// Radius of the rounded edge of the cutter of --cutter-mm [default: none]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub corner_mm: Option<f64>,
     /// Radius of the nose of the tool that a program of a lathe moves, by the point at which it is touched off
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub nose_mm: Option<f64>,

@@ -25,9 +25,15 @@ impl BuildArgs {
 
 impl VerifyArgs {
     pub(super) fn command(&self) -> Verify<'_> {
-        let (units, align) = (self.units.map(Into::into), self.align);
-        let (probe_mm, ball_mm, nose_mm) = (self.probe_mm, self.ball_mm, self.nose_mm);
-        let options = VerifyOptions { units, align, probe_mm, ball_mm, nose_mm };
+        let options = VerifyOptions {
+            units: self.units.map(Into::into),
+            align: self.align,
+            probe_mm: self.probe_mm,
+            ball_mm: self.ball_mm,
+            cutter_mm: self.cutter_mm,
+            corner_mm: self.corner_mm,
+            nose_mm: self.nose_mm,
+        };
         Verify { path: &self.file, options }
     }
 }

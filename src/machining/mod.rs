@@ -34,7 +34,9 @@ pub use fillet::{Fillet, clears_ridge, fillet_foot};
 pub use gouge::{FLOOR_MM, Gouge};
 pub use passes::{BallPath, BallPaths, MOST_POINTS, Passes};
 pub use scallop::{BallRaster, Scallop};
-pub use surface_analysis::{Extreme, RasterDirection, ScallopFigures, SurfaceAnalysis};
+pub use surface_analysis::{
+    Extreme, RasterDirection, ScallopFigures, SurfaceAnalysis, TurnSpacing,
+};
 
 use crate::geom::DVec2;
 use thiserror::Error;

@@ -75,6 +75,15 @@ struct Pixel {
     moves: Option<[DVec2; 2]>,
 }
 
+/// Along which way turns about the axis are evenly far apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TurnSpacing {
+    /// Along the mirror, as the feed of a lathe's path is.
+    AlongMirror,
+    /// Along the radius, so that they are farther apart where the mirror rises or falls along it, as of a slow tool servo.
+    AlongRadius,
+}
+
 /// A mirror's face, sampled.
 #[derive(Debug, Clone)]
 pub struct SurfaceAnalysis<'a> {
@@ -267,16 +276,21 @@ impl<'a> SurfaceAnalysis<'a> {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// How far tilts up and down the slope, evenly spread up to `tilt` radians from the mirror's own normal, displace the image, pixels: those
-    /// of circles about the axis. None without a projection.
+    /// How far tilts along the radius, evenly spread up to `tilt` radians from the mirror's own normal where turns about the axis are as far
+    /// apart as `spacing` tells, displace the image, pixels. None without a projection.
     #[must_use]
-    pub fn displacements_of_turns(&self, tilt: f64) -> Option<Summary> {
+    pub fn displacements_of_turns(&self, tilt: f64, spacing: TurnSpacing) -> Option<Summary> {
         let of = |pixel: &Pixel| {
             let [x, y] = pixel.moves?;
             let place = &pixel.place;
             let out = place.at.truncate().normalize_or_zero();
-            // On ground of slope g a tilt changes the slope by 1 + g^2 times itself.
-            let slope = tilt * place.stretch() * place.stretch();
+            let rise = place.slope.dot(out);
+            let square = 1.0 + rise * rise;
+            // On ground that rises by g along the radius a tilt changes that by 1 + g^2 times itself.
+            let slope = match spacing {
+                TurnSpacing::AlongMirror => tilt * square,
+                TurnSpacing::AlongRadius => tilt * square * square.sqrt(),
+            };
             Some((x * out.x + y * out.y).length() * slope).filter(|px| px.is_finite())
         };
         spread(self.pixels.iter().filter_map(of).collect())

@@ -78,7 +78,13 @@ pub fn program_comment(comment: &str) -> String {
 /// A number with its point, which a Fanuc needs to read millimetres.
 #[must_use]
 pub fn program_number(value: f64) -> String {
-    let text = format!("{value:.DECIMALS$}");
+    rounded_number(value, DECIMALS)
+}
+
+/// The same in so many decimals.
+#[must_use]
+pub fn rounded_number(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0');
     if text == "-0." { "0.".to_owned() } else { text.to_owned() }
 }

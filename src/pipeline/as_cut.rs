@@ -1,6 +1,6 @@
 //! The part as cut: its face closed, written, read back and traced.
 
-use super::check_file::{MeshSource, check_file};
+use super::check_file::{open, witness};
 use super::mesh_files::labelled;
 use super::run::Run;
 use super::{Error, Stage};
@@ -10,20 +10,21 @@ use crate::geom::TriMesh;
 use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::solid::Solid;
-use crate::verdict::{EachStrip, FileCheck};
+use crate::verdict::{CheckedMesh, CutSlopes, EachStrip, FileCheck};
 
 /// The file of a part as cut, and its format.
 pub(super) const FILE: &str = "as-cut.stl";
 const FORMAT: MeshFormat = MeshFormat::Stl;
 
-/// Closes the face as cut, writes it with these words, reads it back and traces it; `each` is called with every strip of the frame.
+/// Closes the face as cut, writes it with these words, reads it back and traces it, by these slopes where its facets have not got them;
+/// `each` is called with every strip of the frame.
 ///
 /// # Errors
 /// [`Error::Solid`] when it cannot be closed, [`Error::File`] when the disk refuses.
 pub(super) fn written_as_cut(
     run: &mut Run,
     design: &Design,
-    mesh: TriMesh,
+    (mesh, slopes): (TriMesh, Option<CutSlopes>),
     words: String,
     each: EachStrip,
 ) -> Result<FileCheck, Error> {
@@ -34,9 +35,13 @@ pub(super) fn written_as_cut(
     drop(solid);
     let staged = run.files.staged(FILE)?;
     // What is cut ends at the mirror's rim.
-    let bytes = staged.read()?;
-    let source = MeshSource::Bytes(bytes);
-    let mut check = check_file(run, design, FORMAT, source, Promise::exact(), each)?;
+    let checked = |reread| CheckedMesh::new(design, reread, None).with_slopes(slopes);
+    let (file, read) = open(run, FORMAT, staged.read()?, checked)?;
+    let promise = Promise::exact();
+    let mut check = match read {
+        Ok(checked) => witness(run, design, (file, FORMAT), checked, promise, each),
+        Err(error) => FileCheck::unreadable(file, FORMAT, promise, &error),
+    };
     check.rename(FILE.to_owned());
     check.altered = check.file.sha256 != staged.sha256();
     Ok(check)

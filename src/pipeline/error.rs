@@ -218,8 +218,8 @@ pub enum Error {
     },
     /// A program without its cutter.
     #[error(
-        "{path}: a program does not tell the cutter; give --ball-mm, the radius of the ball whose tip it moves, or on a lathe --nose-mm, \
-         that of the tool's nose"
+        "{path}: a program does not tell the cutter; give --ball-mm, the radius of the ball whose tip it moves, or --cutter-mm of a flat \
+         or bull-nosed cutter, or on a lathe --nose-mm, that of the tool's nose"
     )]
     Ball {
         /// The file.

@@ -5,7 +5,7 @@ use super::made_face::{MadeFace, PagePictures, noted};
 use super::program_travel::travelled;
 use super::run::Run;
 use crate::design::Design;
-use crate::machining::SurfaceAnalysis;
+use crate::machining::{SurfaceAnalysis, TurnSpacing};
 use crate::milling::{OperationKind, Speeds};
 use crate::num::rounding::{floor_four_digits, significant};
 use crate::num::stats::Summary;
@@ -23,32 +23,40 @@ use std::f64::consts::PI;
 
 /// Widest feed that is chosen where the profile names none, over the nose's radius: cusps are then an eighth of a hundredth of it high.
 const WIDEST_FEED: f64 = 0.1;
+/// The narrowest, mm: that of the finest diamond turning, and the least that a profile may ask for.
+const NARROWEST_MM: f64 = 1e-3;
 /// Height of cusps over what a polish takes away, of the study's first order.
 const CUSPS_OF_POLISH: f64 = 0.9;
 
+/// Turns of finishing over a mirror.
+pub(super) struct FinishingTurns {
+    /// Along which way they are a feed apart.
+    pub spacing: TurnSpacing,
+    /// The least `f^2 / (8 r h)` of cusps h high that a feed f and a nose r leave: `1 + r k`, where the mirror bulges with the curvature k
+    /// along the radius, over the square of what turns are apart on the mirror over f.
+    pub flattest: f64,
+    /// The least feed that may be chosen, mm.
+    pub least_mm: f64,
+}
+
 /// The feed of finishing, mm, which keeps the picture within the profile's limits where the profile does not name it, and what it is
-/// foreseen to leave. `bulge` is the least of `1 - r k` over all sections, of the nose's radius and their hollow curvature.
+/// foreseen to leave.
 pub(super) fn finishing_feed(
     profile: &Profile,
     spec: &TurnSpec,
     design: &Design,
-    (shape, bulge): (&TurnedShape, f64),
-) -> Result<(f64, Option<Summary>), TurningError> {
+    turns: FinishingTurns,
+) -> (f64, Option<Summary>) {
     let nose_mm = spec.nose.radius_mm;
     let analysis = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
+    let FinishingTurns { spacing, flattest, least_mm } = turns;
     // Cusps are tilted by up to f / (2 r), whatever the mirror's curvature.
-    let foreseen = |feed_mm: f64| analysis.displacements_of_turns(0.5 * feed_mm / nose_mm);
-    let narrowest_mm = shape.narrowest_feed_mm(nose_mm);
+    let foreseen = |feed_mm: f64| analysis.displacements_of_turns(0.5 * feed_mm / nose_mm, spacing);
     let finishing = &spec.finishing;
     if let Some(feed_mm) = finishing.feed_mm_rev {
-        let [facets, most] = shape.facets(nose_mm, feed_mm);
-        if facets > most {
-            // (Three decimals, upwards.)
-            let least_mm = (1e3 * narrowest_mm).ceil() / 1e3;
-            return Err(TurningError::Fine { feed_mm, facets, most, least_mm });
-        }
-        return Ok((feed_mm, foreseen(feed_mm)));
+        return (feed_mm, foreseen(feed_mm));
     }
+    let narrowest_mm = least_mm.max(NARROWEST_MM);
     let widest_mm = (WIDEST_FEED * nose_mm).max(narrowest_mm).min(usual_feed_mm(spec));
     let widest = foreseen(widest_mm);
     let polish_um = finishing.polish_um;
@@ -64,11 +72,11 @@ pub(super) fn finishing_feed(
     let chord_um = finishing.chord_um;
     let polished = polish_um.map(|um| CUSPS_OF_POLISH * (um - chord_um).max(0.5 * um));
     let heights_um = [finishing.scallop_um, polished].into_iter().flatten().reduce(f64::min);
-    // Cusps are f^2 / (8 r (1 + r k)) high, where the mirror bulges with the curvature k.
-    let for_height = heights_um.map(|um| f64::sqrt(8.0 * nose_mm * bulge.max(0.0) * (1e-3 * um)));
+    let for_height =
+        heights_um.map(|um| f64::sqrt(8.0 * nose_mm * flattest.max(0.0) * (1e-3 * um)));
     let ends = [for_picture, for_height].into_iter().flatten();
     let feed_mm = floor_four_digits(ends.fold(widest_mm, f64::min).max(narrowest_mm));
-    Ok((feed_mm, foreseen(feed_mm)))
+    (feed_mm, foreseen(feed_mm))
 }
 
 /// The report before the first program.

@@ -147,7 +147,7 @@ fn check_as_cut(
     let optical_triangles = mesh.triangles.len();
     let raster = &survey.raster;
     let words = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);
-    let check = written_as_cut(run, design, mesh, words, &mut |_| {})?;
+    let check = written_as_cut(run, design, (mesh, None), words, &mut |_| {})?;
     let found = &mut survey.found;
     found.reasons.extend(witnessed(&check));
     let errors = check.trace.as_ref().and_then(|trace| trace.errors.facet_error_px);

@@ -5,6 +5,7 @@ use super::program_travel::travelled;
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
+use crate::geom::Cutter;
 use crate::machining::BallRaster;
 use crate::milling::{Header, MillingError, MillingTask, Operation, StockBlock, program_text};
 use crate::num::rounding::floor_four_digits;
@@ -75,7 +76,9 @@ pub(super) fn milled(
         .map_err(|why| refused(run.profile, why))?;
     let ball_mm = spec.finishing.ball_mm;
     let face = shop.read.last().and_then(Option::as_ref).map(|path| MadeFace {
-        cut: run.timer.always(Stage::Cut, || noted(ProgramCut::new(design, path, ball_mm))),
+        cut: run
+            .timer
+            .always(Stage::Cut, || noted(ProgramCut::new(design, path, Cutter::ball(ball_mm)))),
         words: format!("as milled, ball {ball_mm}"),
     });
     let pictures = PagePictures { left: shop.left, speeds_mm_min: shop.speeds_mm_min };

@@ -60,6 +60,7 @@ mod unwrap_map;
 mod unwrap_picture;
 mod unwrap_stream;
 mod verify;
+mod verify_options;
 mod verify_points;
 mod verify_program;
 
@@ -90,7 +91,8 @@ pub use unwrap::{MapFormat, Unwrap, UnwrapOptions};
 pub use unwrap_folder::UnwrapFolder;
 pub use unwrap_picture::{Rows, UnwrapPicture};
 pub use unwrap_stream::{RawFormat, RawFrames, UnwrapStream};
-pub use verify::{Verify, VerifyOptions, verify};
+pub use verify::{Verify, verify};
+pub use verify_options::VerifyOptions;
 
 /// What benchmark and sweep run, stage by stage.
 pub(crate) use {

@@ -55,7 +55,7 @@ fn judged(
 ) -> Result<Option<FalseColourMap>, Error> {
     let finishing = format!("finishing.{}", report.control.ending());
     let of_program = |fault: CuttingFault| Reason::from(fault).of_file(&finishing);
-    let ProgramCut { mesh, facts, faults, warning } = match cut {
+    let ProgramCut { mesh, facts, faults, slopes } = match cut {
         Ok(cut) => cut,
         Err(fault) => {
             report.reasons.push(of_program(fault));
@@ -71,9 +71,9 @@ fn judged(
     report.reasons.extend(high);
     report.program = Some(facts);
     report.reasons.extend(faults.into_iter().map(of_program));
-    report.warnings.extend(warning);
     let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
-    let mut check = written_as_cut(run, design, mesh, words, &mut |strip| errors.add(strip))?;
+    let mut check =
+        written_as_cut(run, design, (mesh, slopes), words, &mut |strip| errors.add(strip))?;
     check.held_to = HeldTo::Picture;
     let errors: ErrorMap = errors.finish();
     let Findings { files, trace, frame, accepted, reasons, .. } =

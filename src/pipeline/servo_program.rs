@@ -1,11 +1,12 @@
 //! Programs that cut a profile's mirror by a slow tool servo, read back and cut.
 
-use super::lathe_shop::{Lathe, WrittenOperation, begun, finishing_feed};
+use super::lathe_shop::{FinishingTurns, Lathe, WrittenOperation, begun, finishing_feed};
 use super::made_face::{MadeFace, PagePictures};
 use super::run::Run;
 use super::turn_program::refused;
 use super::{Error, Stage};
 use crate::design::Design;
+use crate::machining::TurnSpacing;
 use crate::profile::{Profile, ServoControl, ServoSpec, TurnSpec};
 use crate::program::{ProgramFault, TurningPath};
 use crate::results::{FileFacts, ProgramReport};
@@ -28,13 +29,18 @@ pub(super) fn servo_cut(
     let sections = checked(profile, design).map_err(refused)?;
     let shape = TurnedShape::disc(&sections);
     let nose_mm = spec.nose.radius_mm;
+    let task = task((spec, servo), design, &sections, nose_mm);
     let (feed_mm, foreseen_px) = run.stage(Stage::Cut, || {
-        let bulge = -sections.most(|place| nose_mm * place.section.curvature - 1.0);
-        let (feed_mm, foreseen) =
-            finishing_feed(profile, spec, design, (&shape, bulge)).map_err(refused)?;
+        let flattest = -sections.most(|place| {
+            let stretch = place.section.stretch();
+            (nose_mm * place.section.curvature - 1.0) / (stretch * stretch)
+        });
+        let (spacing, least_mm) = (TurnSpacing::AlongRadius, task.least_feed_mm().unwrap_or(0.0));
+        let turns = FinishingTurns { spacing, flattest, least_mm };
+        let (feed_mm, foreseen) = finishing_feed(profile, spec, design, turns);
         Ok(((feed_mm, foreseen), format!("{feed_mm} mm in a turn")))
     })?;
-    let task = task((spec, servo), design, &sections, feed_mm);
+    let task = ServoTask { feed_mm, ..task };
     let operations = run.stage(Stage::Plan, || {
         let operations = task.operations().map_err(refused)?;
         let points: usize = operations.iter().map(|done| done.table.points.len()).sum();

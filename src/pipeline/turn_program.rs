@@ -1,11 +1,12 @@
 //! Programs that turn a profile's mirror, read back and cut.
 
-use super::lathe_shop::{Lathe, WrittenOperation, begun, finishing_feed};
+use super::lathe_shop::{FinishingTurns, Lathe, WrittenOperation, begun, finishing_feed};
 use super::made_face::{MadeFace, PagePictures};
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::Contour;
+use crate::machining::TurnSpacing;
 use crate::profile::{LatheControl, Profile, TurnSpec};
 use crate::program::TurningPath;
 use crate::results::{FileFacts, ProgramReport};
@@ -36,8 +37,9 @@ pub(super) fn turned(
         let bulge = |curvature: f64| 1.0 - nose_mm * curvature;
         let bulges = meridian.places().map(|place| bulge(place.curvature));
         let least = bulges.fold(f64::INFINITY, f64::min);
-        let (feed_mm, foreseen) =
-            finishing_feed(profile, spec, design, (&shape, least)).map_err(refused)?;
+        let spacing = TurnSpacing::AlongMirror;
+        let turns = FinishingTurns { spacing, flattest: least, least_mm: 0.0 };
+        let (feed_mm, foreseen) = finishing_feed(profile, spec, design, turns);
         Ok(((feed_mm, foreseen), format!("{feed_mm} mm in a turn")))
     })?;
     let task = task(spec, design, meridian, feed_mm);

@@ -5,8 +5,9 @@ use super::file_units::{declared, in_millimetres, unit_warning};
 use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
 use super::step_export::compared;
+use super::verify_options::VerifyOptions;
 use super::verify_points::PointList;
-use super::verify_program::{CutFindings, ProgramTool, Programmed, program_options, programmed};
+use super::verify_program::{CutFindings, ProgramTool, Programmed, program_tool, programmed};
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
 use crate::brep::{Body, RigidMotion};
@@ -32,21 +33,6 @@ pub struct Verify<'a> {
     pub path: &'a Path,
     /// How it is looked at.
     pub options: VerifyOptions,
-}
-
-/// How a file of unknown making is looked at.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct VerifyOptions {
-    /// The unit of its coordinates; none: by its size.
-    pub units: Option<LengthUnit>,
-    /// Fit its pose first, and judge it as a measured part: its files have the form error's map too.
-    pub align: bool,
-    /// Radius of the ball whose centres a list of points holds, mm; none: points on the part.
-    pub probe_mm: Option<f64>,
-    /// Radius of the ball cutter that a program moves, mm; none of other files.
-    pub ball_mm: Option<f64>,
-    /// Radius of the nose of the tool that a program of a lathe moves, mm; none of other files.
-    pub nose_mm: Option<f64>,
 }
 
 /// What a file to be verified is.
@@ -79,7 +65,7 @@ impl Command for Verify<'_> {
     type Report = VerifyReport;
 
     fn check(&self, _profile: &Profile) -> Result<(), Error> {
-        let VerifyOptions { units, align, probe_mm, ball_mm, nose_mm } = self.options;
+        let VerifyOptions { units, align, probe_mm, .. } = self.options;
         let format = self.format()?;
         let declares_unit = match format {
             VerifiedFormat::Mesh(format) => codec(format).declares_unit(),
@@ -87,9 +73,7 @@ impl Command for Verify<'_> {
             VerifiedFormat::Points(_) => false,
             VerifiedFormat::Program { .. } => true,
         };
-        let is_program = matches!(format, VerifiedFormat::Program { .. });
-        let is_table = matches!(format, VerifiedFormat::Program { is_table: true });
-        program_options(&self.name(), (is_program, is_table), (align, [ball_mm, nose_mm]))?;
+        self.tool(&format)?;
         if declares_unit && units.is_some() {
             return Err(Error::Declared { path: self.name() });
         }
@@ -153,8 +137,8 @@ impl Command for Verify<'_> {
         let (name, units, alignment) = (self.name(), found.units, found.alignment);
         let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
             Findings::new(run.profile, &design, vec![found.check]);
-        let CutFindings { program, faults: cutting, warning } = found.cut;
-        let mut warnings: Vec<String> = warning.into_iter().collect();
+        let CutFindings { program, faults: cutting } = found.cut;
+        let mut warnings: Vec<String> = Vec::new();
         let faults = cutting.into_iter().map(Reason::from);
         reasons.extend(faults.map(|fault| fault.of_file(&name)));
         let faults = found.faults.into_iter();
@@ -336,17 +320,23 @@ impl Verify<'_> {
             .traced(design, about, |each| witness_body(run, design, (file, body), promise, each)))
     }
 
+    /// The tool that the file moves, if it is a program.
+    ///
+    /// # Errors
+    /// [`enum@Error`] of options that do not go with the file.
+    fn tool(&self, format: &VerifiedFormat) -> Result<Option<ProgramTool>, Error> {
+        let is_program = matches!(format, VerifiedFormat::Program { .. });
+        let is_table = matches!(format, VerifiedFormat::Program { is_table: true });
+        program_tool(&self.name(), (is_program, is_table), &self.options)
+    }
+
     /// Reads a program, cuts the mirror with it and traces what it leaves.
     fn look_at_program(&self, part: &Part, bytes: &[u8], is_table: bool) -> Result<Found, Error> {
         let Part { run, design, .. } = part;
         let promise = Promise::exact();
         let file = FileFacts::of(&self.name(), if is_table { "xzc" } else { "ngc" }, bytes);
-        let VerifyOptions { ball_mm, nose_mm, .. } = self.options;
-        let tool = match nose_mm {
-            Some(nose_mm) if is_table => ProgramTool::NoseInTable(nose_mm),
-            Some(nose_mm) => ProgramTool::Nose(nose_mm),
-            None => ProgramTool::Ball(ball_mm.unwrap_or_default()),
-        };
+        let tool = self.tool(&VerifiedFormat::Program { is_table })?;
+        let tool = tool.ok_or_else(|| Error::Ball { path: self.name() })?;
         let (checked, cut) = match programmed(run, design, bytes, tool)? {
             Programmed::Cut(checked, cut) => (checked, cut),
             Programmed::Unread(error) => {
@@ -368,7 +358,8 @@ impl Verify<'_> {
 
     /// What the file is held to.
     fn held_to(&self) -> HeldTo {
-        match (self.options.align, self.options.ball_mm.or(self.options.nose_mm)) {
+        let VerifyOptions { align, ball_mm, cutter_mm, nose_mm, .. } = self.options;
+        match (align, ball_mm.or(cutter_mm).or(nose_mm)) {
             (true, _) => HeldTo::Form,
             (false, Some(_)) => HeldTo::Picture,
             (false, None) => HeldTo::Design,

@@ -2,10 +2,11 @@
 
 use super::made_face::noted;
 use super::run::Run;
+use super::verify_options::VerifyOptions;
 use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
-use crate::geom::Precision;
+use crate::geom::{Cutter, Precision};
 use crate::profile::ProgramSpec;
 use crate::program::{ProgramFault, ToolPath, TurningPath};
 use crate::results::{CuttingFault, ProgramFacts};
@@ -20,8 +21,6 @@ pub(super) struct CutFindings {
     pub program: Option<ProgramFacts>,
     /// Why it does not pass.
     pub faults: Vec<CuttingFault>,
-    /// What is less certain than the figures say.
-    pub warning: Option<String>,
 }
 
 /// What becomes of a program.
@@ -37,8 +36,8 @@ pub(super) enum Programmed {
 /// The tool that a program moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ProgramTool {
-    /// A ball cutter on a mill: its radius, mm.
-    Ball(f64),
+    /// A cutter on a mill.
+    Cutter(Cutter),
     /// The nose of a tool on a lathe: its radius, mm.
     Nose(f64),
     /// The same along a table of points.
@@ -56,12 +55,12 @@ pub(super) fn programmed(
     tool: ProgramTool,
 ) -> Result<Programmed, Error> {
     let cut = match tool {
-        ProgramTool::Ball(ball_mm) => {
+        ProgramTool::Cutter(cutter) => {
             let path = match read(run, || ToolPath::read(bytes), |path| path) {
                 Ok(path) => path,
                 Err(fault) => return Ok(Programmed::Unread(fault)),
             };
-            run.timer.always(Stage::Cut, || noted(ProgramCut::new(design, &path, ball_mm)))
+            run.timer.always(Stage::Cut, || noted(ProgramCut::new(design, &path, cutter)))
         }
         ProgramTool::Nose(nose_mm) | ProgramTool::NoseInTable(nose_mm) => {
             let is_table = matches!(tool, ProgramTool::NoseInTable(_));
@@ -75,7 +74,7 @@ pub(super) fn programmed(
             }
         }
     };
-    let ProgramCut { mesh, facts, faults, warning } = match cut {
+    let ProgramCut { mesh, facts, faults, slopes } = match cut {
         Ok(cut) => cut,
         Err(fault) => return Ok(Programmed::Faulty(fault)),
     };
@@ -86,8 +85,9 @@ pub(super) fn programmed(
     };
     let reread = ImportedMesh { mesh: solid.mesh().clone(), normals: None };
     let checked = CheckedMesh::new(design, reread, Some(solid.check().clone()));
+    let checked = checked.with_slopes(slopes);
     let program = Some(facts);
-    Ok(Programmed::Cut(Box::new(checked), CutFindings { program, faults, warning }))
+    Ok(Programmed::Cut(Box::new(checked), CutFindings { program, faults }))
 }
 
 /// Turns the mirror of `design` with a nose along a path; of a slow tool servo's profile what the path asks of its axes counts too.
@@ -132,43 +132,74 @@ fn read<P>(
     })
 }
 
-/// Holds the options of programs to what the file is.
+/// The tool that a program moves, by the options that tell it; none of another file.
 ///
 /// # Errors
-/// [`Error::Ball`] of a program without a tool, [`Error::Option`] of options that do not go with the file.
-pub(super) fn program_options(
+/// [`Error::Ball`] of a program without a tool, [`Error::Option`] of options that do not go with the file or each other.
+pub(super) fn program_tool(
     name: &str,
     (is_program, is_table): (bool, bool),
-    (align, [ball_mm, nose_mm]): (bool, [Option<f64>; 2]),
-) -> Result<(), Error> {
-    let option = |option, must: &str, found: String| {
-        Err(Error::Option { option, must: must.to_owned(), found })
-    };
-    let (key, radius, tool_mm) = match nose_mm {
-        Some(_) => ("--nose-mm", "the radius of the tool's nose, positive and finite", nose_mm),
-        None => ("--ball-mm", "the radius of the ball cutter, positive and finite", ball_mm),
-    };
-    match tool_mm {
-        None if is_program => Err(Error::Ball { path: name.to_owned() }),
-        Some(mm) if !is_program => {
-            option(key, "left out but for a program", format!("{mm} with {name}"))
+    options: &VerifyOptions,
+) -> Result<Option<ProgramTool>, Error> {
+    let VerifyOptions { align, ball_mm, cutter_mm, corner_mm, nose_mm, .. } = *options;
+    let given = [
+        ("--ball-mm", ball_mm, "the radius of the ball cutter, positive and finite"),
+        ("--cutter-mm", cutter_mm, "the radius of the cutter, positive and finite"),
+        ("--nose-mm", nose_mm, "the radius of the tool's nose, positive and finite"),
+        ("--corner-mm", corner_mm, "the radius of the cutter's rounded edge, positive and finite"),
+    ];
+    for (key, mm, radius) in given {
+        let Some(mm) = mm else { continue };
+        if !is_program {
+            let found = format!("{mm} with {name}");
+            return refuse(key, "left out but for a program", found);
         }
-        Some(mm) if !(mm > 0.0 && mm.is_finite()) => option(key, radius, mm.to_string()),
-        Some(mm) if is_table && nose_mm.is_none() => option(
-            "--ball-mm",
-            "left out for a table of points X, Z and C: --nose-mm tells the nose of its tool",
-            mm.to_string(),
-        ),
-        Some(_) if ball_mm.is_some() && nose_mm.is_some() => option(
-            "--ball-mm",
-            "left out with --nose-mm: a program is a mill's or a lathe's",
-            "both".to_owned(),
-        ),
-        _ if is_program && align => option(
-            "--align",
-            "left out for a program, whose places are the part's",
-            name.to_owned(),
-        ),
-        _ => Ok(()),
+        if !(mm > 0.0 && mm.is_finite()) {
+            return refuse(key, radius, mm.to_string());
+        }
     }
+    if !is_program {
+        return Ok(None);
+    }
+    if let Some(found) = corner_mm.filter(|corner_mm| cutter_mm.is_none_or(|mm| *corner_mm > mm)) {
+        let must = "no more than --cutter-mm, the radius of the cutter that has the rounded edge";
+        return refuse("--corner-mm", must, found.to_string());
+    }
+    let tool = match (ball_mm, cutter_mm, nose_mm) {
+        (None, None, None) => return Err(Error::Ball { path: name.to_owned() }),
+        (Some(mm), None, None) => ProgramTool::Cutter(Cutter::ball(mm)),
+        (None, Some(radius_mm), None) => {
+            let corner_mm = corner_mm.unwrap_or(0.0);
+            ProgramTool::Cutter(Cutter { radius_mm, corner_mm })
+        }
+        (None, None, Some(mm)) if is_table => ProgramTool::NoseInTable(mm),
+        (None, None, Some(mm)) => ProgramTool::Nose(mm),
+        (Some(_), _, Some(_)) | (_, Some(_), Some(_)) => {
+            let key = if ball_mm.is_some() { "--ball-mm" } else { "--cutter-mm" };
+            let must = "left out with --nose-mm: a program is a mill's or a lathe's";
+            return refuse(key, must, "both".to_owned());
+        }
+        (Some(_), Some(_), None) => {
+            let must = "left out with --cutter-mm: a program moves one cutter";
+            return refuse("--ball-mm", must, "both".to_owned());
+        }
+    };
+    match tool {
+        ProgramTool::Cutter(Cutter { radius_mm, .. }) if is_table => {
+            let key = if ball_mm.is_some() { "--ball-mm" } else { "--cutter-mm" };
+            let must =
+                "left out for a table of points X, Z and C: --nose-mm tells the nose of its tool";
+            refuse(key, must, radius_mm.to_string())
+        }
+        _ if align => {
+            let must = "left out for a program, whose places are the part's";
+            refuse("--align", must, name.to_owned())
+        }
+        tool => Ok(Some(tool)),
+    }
+}
+
+/// The error of an option that does not suit.
+fn refuse<T>(option: &'static str, must: &str, found: String) -> Result<T, Error> {
+    Err(Error::Option { option, must: must.to_owned(), found })
 }

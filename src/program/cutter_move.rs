@@ -5,11 +5,19 @@
 //! does not fall, so is that as a function of t, and its slope changes its sign once.
 
 use super::ToolMove;
-use super::swept_ball::lower_side;
 use crate::geom::{Cutter, DVec2, DVec3};
 
 /// Halvings of the part of a move in which a bull-nosed cutter is lowest: heights are then off by far less than 1e-9 mm.
 const HALVINGS: usize = 40;
+
+/// The lowest cutter of a move over a place of the plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct CutterPlace {
+    /// Z of its lower side there, mm.
+    pub z_mm: f64,
+    /// Slope (Z_X, Z_Y) of the lowest sides of all its places there.
+    pub slope: DVec2,
+}
 
 /// A straight move of a cutter.
 pub(super) struct CutterMove {
@@ -25,9 +33,13 @@ pub(super) struct CutterMove {
 
 impl CutterMove {
     pub(super) fn new(step: &ToolMove, cutter: Cutter) -> Self {
-        let tips = [step.from, step.to];
+        Self::between([step.from, step.to], cutter)
+    }
+
+    /// The move of a cutter's tip between two places.
+    pub(super) fn between(tips: [DVec3; 2], cutter: Cutter) -> Self {
         let centres = tips.map(|tip| tip + DVec3::Z * cutter.radius_mm);
-        let way = (step.to - step.from).truncate();
+        let way = (tips[1] - tips[0]).truncate();
         let length = way.length();
         Self { cutter, tips, centres, way: way.normalize_or_zero(), length }
     }
@@ -50,10 +62,40 @@ impl CutterMove {
         if let Some(ball_mm) = self.cutter.ball_mm() {
             return lower_side(&self.centres, at, ball_mm).map(|(z, _)| z);
         }
+        self.lowest_tip(at).map(|(z, _)| z)
+    }
+
+    /// The lowest cutter over a place; none where none comes.
+    pub(super) fn place(&self, at: DVec2) -> Option<CutterPlace> {
+        if let Some(ball_mm) = self.cutter.ball_mm() {
+            let (z_mm, slope) = lower_side(&self.centres, at, ball_mm)?;
+            return Some(CutterPlace { z_mm, slope });
+        }
+        let (z_mm, t) = self.lowest_tip(at)?;
+        let [from, to] = self.tips;
+        let off = at - from.truncate() - self.way * t;
+        let beyond = off.length() - self.cutter.flat_mm();
+        let Cutter { corner_mm, .. } = self.cutter;
+        let slope = if corner_mm > 0.0 {
+            let square = corner_mm * corner_mm - beyond * beyond;
+            let steep = if beyond > 0.0 { beyond / square.max(0.0).sqrt() } else { 0.0 };
+            off.normalize_or_zero() * steep
+        } else {
+            // A flat end cuts by the side of its edge that comes last: t goes with the place.
+            let along = off.dot(self.way);
+            let is_between = t > 0.0 && t < self.length && along != 0.0;
+            let rise = if is_between { (to.z - from.z) / self.length } else { 0.0 };
+            off * if is_between { rise / along } else { 0.0 }
+        };
+        slope.is_finite().then_some(CutterPlace { z_mm, slope })
+    }
+
+    /// Z of the lowest cutter with a flat end over a place, and the way of its tip, mm; none where none comes.
+    fn lowest_tip(&self, at: DVec2) -> Option<(f64, f64)> {
         let [from, to] = self.tips;
         let on = at - from.truncate();
         if self.length == 0.0 {
-            return Some(from.z.min(to.z) + self.cutter.height(on.length())?);
+            return Some((from.z.min(to.z) + self.cutter.height(on.length())?, 0.0));
         }
         let (along, beside) = (on.dot(self.way), on.perp_dot(self.way));
         let square = self.cutter.radius_mm * self.cutter.radius_mm - beside * beside;
@@ -70,7 +112,7 @@ impl CutterMove {
         let off = f64::sqrt(beside * beside + (t - along) * (t - along));
         // (At an end of the part the distance is the radius but for rounding.)
         let side = self.cutter.height(off.min(self.cutter.radius_mm));
-        Some(from.z + slope * t + side.unwrap_or(self.cutter.corner_mm))
+        Some((from.z + slope * t + side.unwrap_or(self.cutter.corner_mm), t))
     }
 
     /// Where along the move, between two places of it, the cutter is lowest over a place.
@@ -106,9 +148,75 @@ impl CutterMove {
     }
 }
 
+/// Z of the lowest ball of this radius with its centre between two places, over a place of the plan, and its slope there.
+pub(super) fn lower_side(&[from, to]: &[DVec3; 2], at: DVec2, radius: f64) -> Option<(f64, DVec2)> {
+    let way = (to - from).truncate();
+    let length = way.length();
+    let on = at - from.truncate();
+    let centre = if length > 0.0 {
+        let way = way / length;
+        let (along, beside) = (on.dot(way), on.perp_dot(way));
+        let left = radius * radius - beside * beside;
+        if !(left > 0.0) {
+            return None;
+        }
+        let slope = (to.z - from.z) / length;
+        let short = slope * f64::sqrt(left / (1.0 + slope * slope));
+        let reach = (along - short).clamp(0.0, length);
+        let share = reach / length;
+        DVec3::new(
+            from.x + share * (to.x - from.x),
+            from.y + share * (to.y - from.y),
+            from.z + share * (to.z - from.z),
+        )
+    } else if from.z <= to.z {
+        from
+    } else {
+        to
+    };
+    let off = at - centre.truncate();
+    let depth = radius * radius - off.length_squared();
+    if !(depth > 0.0) {
+        return None;
+    }
+    let depth = f64::sqrt(depth);
+    Some((centre.z - depth, off / depth))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The least over a thousand balls of a move is no lower than the closed form, and near it.
+    #[test]
+    fn the_lower_side_of_a_move_is_that_of_its_balls() {
+        let from = DVec3::new(0.5, -0.3, 2.0);
+        for to in [
+            DVec3::new(2.5, 1.0, 2.0),
+            DVec3::new(1.5, 0.2, 5.0),
+            DVec3::new(-1.0, -0.5, -1.0),
+            DVec3::new(0.5, -0.3, 0.5),
+        ] {
+            for k in 0..200 {
+                let at = DVec2::new(f64::from(k % 20) * 0.3 - 2.5, f64::from(k / 20) * 0.4 - 2.0);
+                let balls = (0..=1000).filter_map(|k| {
+                    let centre = from.lerp(to, f64::from(k) / 1000.0);
+                    let square = 4.0 - (at - centre.truncate()).length_squared();
+                    (square > 0.0).then(|| centre.z - square.sqrt())
+                });
+                let least = balls.reduce(f64::min);
+                match (lower_side(&[from, to], at, 2.0), least) {
+                    (None, None) => {}
+                    (Some((z, _)), Some(least)) => {
+                        assert!(z <= least + 1e-12 && z > least - 2e-2, "{to} {at}: {z} {least}");
+                    }
+                    // (A rim that lies between two of the balls.)
+                    (Some((z, _)), None) => assert!(z > from.z.min(to.z) - 0.2),
+                    (None, Some(_)) => panic!("{to} {at}"),
+                }
+            }
+        }
+    }
 
     const MOVES: [[[f64; 3]; 2]; 5] = [
         [[0.5, -0.3, 2.0], [2.5, 1.0, 2.0]],

@@ -4,10 +4,11 @@
 //!   What it does not know it refuses by line and name: nothing is skipped.
 //! - [`TurningPath::read`] reads that of lathes: moves in a half-plane, and the turns of the spindle meanwhile.
 //! - [`TurningPath::read_table`] reads tables of points X, Z and C, the axis that the spindle of a slow tool servo is.
-//! - [`SweptBall`] is what a ball cutter along those moves leaves: the lowest place of all balls over each place of the plan.
+//! - [`SweptCutter`] is what a cutter along those moves leaves: the lowest of all its places over each place of the plan.
 //! - [`StockMap`] is a block that is cut move by move: rapid moves that meet what is left are found, and what is highest beside the
 //!   cutter, of which its shank and its holder are to stay clear.
-//! - [`TurnedSurface`] is what a nose leaves on a lathe at each azimuth, and [`TurnedBar`] a bar that is turned move by move.
+//! - [`TurnedSurface`] is what a nose leaves on a lathe at each azimuth, [`TurnedSlopes`] how that slopes at any place, and
+//!   [`TurnedBar`] a bar that is turned move by move.
 //! - [`MachineLimits`] tells the time of moves with their starts, stops and corners.
 //!
 //! The room knows no mirror and no profile, so what it finds of a program is of the program alone.
@@ -26,9 +27,11 @@ mod modal;
 mod reader;
 mod stock_beside;
 mod stock_map;
-mod swept_ball;
+mod swept_cutter;
 mod turn_coverage;
 mod turned_bar;
+mod turned_section;
+mod turned_slopes;
 mod turned_surface;
 mod words;
 mod xzc_table;
@@ -40,10 +43,12 @@ pub use lathe::TurningPath;
 pub use machine_time::{MachineLimits, MachineTime};
 pub use stock_beside::StockBeside;
 pub use stock_map::{HeldCutter, MovedInto, StockMap, StockMoves};
-pub use swept_ball::{SweptBall, SweptPlace};
+pub use swept_cutter::{SweptCutter, SweptPlace};
 pub use turn_coverage::TurnCoverage;
 pub use turned_bar::{BarMoves, TurnedBar, nose_below};
-pub use turned_surface::{SectionPlace, TurnedSection, TurnedSurface};
+pub use turned_section::{SectionPlace, TurnedSection};
+pub use turned_slopes::TurnedSlopes;
+pub use turned_surface::TurnedSurface;
 
 use crate::geom::DVec3;
 use thiserror::Error;

@@ -1,9 +1,10 @@
 //! A bar on a lathe: what is left of its section after each program, and moves that should not meet it.
 
 use super::ToolMove;
+use super::cutter_move::lower_side;
 use super::lathe::TurningPath;
 use super::stock_map::MovedInto;
-use super::swept_ball::lower_side;
+use super::turned_section::NoseCircle;
 use super::turned_surface::TurnedSurface;
 use crate::geom::{DVec2, DVec3};
 use crate::num::{cos, sin};
@@ -109,8 +110,8 @@ impl TurnedBar {
         let count = self.sections.len();
         let cut = parallel::map(count, 1, |k| {
             let mut section = self.sections[k].clone();
-            let centres = surface.centres(k as f64 / count as f64);
-            let plunge = self.lower(&mut section, &centres, nose_mm);
+            let circles = surface.circles(k as f64 / count as f64);
+            let plunge = self.lower(&mut section, &circles, nose_mm);
             (section, plunge)
         });
         let mut first: Option<(usize, MovedInto)> = None;
@@ -133,13 +134,13 @@ impl TurnedBar {
     fn lower(
         &self,
         section: &mut [f64],
-        centres: &[(DVec2, usize)],
+        circles: &[NoseCircle],
         nose_mm: f64,
     ) -> Option<(usize, DVec2, f64)> {
         let mut plunge = None;
         let mut before = f64::NAN;
         let share = PLACES as f64 / self.radius_mm;
-        for &(centre, step) in centres {
+        for &NoseCircle { centre, step, .. } in circles {
             let from = ((centre.x - nose_mm) * share).ceil().max(0.0);
             let to = ((centre.x + nose_mm) * share).floor().min(PLACES as f64);
             let mut deepest = (0.0, DVec2::ZERO);

@@ -5,11 +5,9 @@
 //! moments. A circle that reaches beyond the axis meets the part on the other side, half a turn later.
 //!
 //! Where C, an axis, turns the spindle, its places are those of the program; else it makes the turns of one move after those of another.
-//!
-//! Lower sides of two circles of one radius cross once: that of the centre farther out is the lower one outwards. So the section at
-//! an azimuth follows from the circles in the order of their centres, each of which is the lowest between two crossings or nowhere.
 
 use super::lathe::TurningPath;
+use super::turned_section::{NoseCircle, TurnedSection};
 use crate::geom::DVec2;
 
 /// Circles of a nose along the moves of a lathe.
@@ -17,13 +15,13 @@ use crate::geom::DVec2;
 pub struct TurnedSurface {
     nose_mm: f64,
     /// Feed moves and dwells that turn the part.
-    passes: Vec<Pass>,
+    passes: Vec<TurningPass>,
     turns: f64,
 }
 
 /// A move of a nose's centre while the part turns.
 #[derive(Debug, Clone, Copy)]
-struct Pass {
+pub(super) struct TurningPass {
     from: DVec2,
     to: DVec2,
     /// Turns before it, and in it, negative where C turns back.
@@ -33,29 +31,23 @@ struct Pass {
     step: usize,
 }
 
-/// What is left at one azimuth.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TurnedSection {
-    nose_mm: f64,
-    /// In the order of their centres from the axis.
-    arcs: Vec<SectionArc>,
-}
+impl TurningPass {
+    /// Turns at its ends, rising.
+    fn span(&self) -> [f64; 2] {
+        let end = self.begin + self.turns;
+        [self.begin.min(end), self.begin.max(end)]
+    }
 
-/// A circle that is the lowest from a distance of the axis up to the next one's.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct SectionArc {
-    from_mm: f64,
-    centre: DVec2,
-    step: usize,
-}
+    /// The nose's centre after so many turns.
+    pub(super) fn centre(&self, turn: f64) -> DVec2 {
+        let along = ((turn - self.begin) / self.turns).clamp(0.0, 1.0);
+        self.from + (self.to - self.from) * along
+    }
 
-/// The lowest place of all circles at a distance from the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SectionPlace {
-    /// Its Z, mm.
-    pub z_mm: f64,
-    /// Number of the move whose circle it is.
-    pub step: usize,
+    /// How the centre moves in a turn, mm.
+    pub(super) fn way_in_a_turn(&self) -> DVec2 {
+        (self.to - self.from) / self.turns
+    }
 }
 
 impl TurnedSurface {
@@ -68,7 +60,7 @@ impl TurnedSurface {
                 let [from, to] =
                     [moved.from, moved.to].map(|at| DVec2::new(at.x + nose_mm, at.z + nose_mm));
                 let begin = path.commanded.get(step).map_or(all, |turn| turn.begin);
-                passes.push(Pass { from, to, begin, turns, step });
+                passes.push(TurningPass { from, to, begin, turns, step });
                 all += turns.abs();
             }
         }
@@ -84,97 +76,59 @@ impl TurnedSurface {
     /// What is left at the azimuth of this share of a turn, from 0 to 1.
     #[must_use]
     pub fn section(&self, share: f64) -> TurnedSection {
-        TurnedSection::new(self.centres(share), self.nose_mm)
+        TurnedSection::new(self.circles(share), self.nose_mm)
     }
 
-    /// Centres of the nose as that azimuth passes it, in the order of the moves, with their numbers; a negative distance is one beyond the
-    /// axis, where the other side passes.
-    pub(super) fn centres(&self, share: f64) -> Vec<(DVec2, usize)> {
-        let mut centres: Vec<(DVec2, usize)> = Vec::new();
+    /// Circles of the nose as that azimuth passes it, in the order of the moves.
+    pub(super) fn circles(&self, share: f64) -> Vec<NoseCircle> {
+        let mut circles = Vec::new();
         for pass in &self.passes {
-            let centre = |turn: f64| {
-                let along = ((turn - pass.begin) / pass.turns).clamp(0.0, 1.0);
-                pass.from + (pass.to - pass.from) * along
-            };
-            let end = pass.begin + pass.turns;
-            let [begin, end] = [pass.begin.min(end), pass.begin.max(end)];
+            let [begin, end] = pass.span();
             let mut turn = share + (begin - share).ceil();
             while turn <= end {
-                centres.push((centre(turn), pass.step));
+                let (centre, step) = (pass.centre(turn), pass.step);
+                circles.push(NoseCircle { centre, step, turn, is_beyond: false });
                 turn += 1.0;
             }
             // On the other side of the axis.
             if pass.from.x.min(pass.to.x) < self.nose_mm {
                 let mut turn = share + 0.5 + (begin - share - 0.5).ceil();
                 while turn <= end {
-                    let at = centre(turn);
-                    centres.push((DVec2::new(-at.x, at.y), pass.step));
+                    let at = pass.centre(turn);
+                    let centre = DVec2::new(-at.x, at.y);
+                    circles.push(NoseCircle { centre, step: pass.step, turn, is_beyond: true });
                     turn += 1.0;
                 }
             }
         }
-        centres.retain(|(at, _)| at.x > -self.nose_mm);
-        centres
-    }
-}
-
-impl TurnedSection {
-    fn new(mut centres: Vec<(DVec2, usize)>, nose_mm: f64) -> Self {
-        centres
-            .sort_by(|(a, k), (b, l)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(k.cmp(l)));
-        // Of the same distance from the axis the lowest alone matters.
-        centres.dedup_by(|later, before| later.0.x == before.0.x);
-        let mut arcs: Vec<SectionArc> = Vec::new();
-        for (centre, step) in centres {
-            let mut from_mm = f64::NEG_INFINITY;
-            while let Some(last) = arcs.last() {
-                from_mm = crossing(last.centre, centre, nose_mm);
-                if from_mm > last.from_mm {
-                    break;
-                }
-                arcs.pop();
-                from_mm = f64::NEG_INFINITY;
-            }
-            arcs.push(SectionArc { from_mm, centre, step });
-        }
-        Self { nose_mm, arcs }
+        circles.retain(|circle| circle.centre.x > -self.nose_mm);
+        circles
     }
 
-    /// The lowest place at a distance from the axis; none where no circle comes.
-    #[must_use]
-    pub fn lowest(&self, radius_mm: f64) -> Option<SectionPlace> {
-        let k = self.arcs.partition_point(|arc| arc.from_mm <= radius_mm).checked_sub(1)?;
-        let SectionArc { centre, step, .. } = self.arcs[k];
-        let off = radius_mm - centre.x;
-        let depth = self.nose_mm * self.nose_mm - off * off;
-        (depth >= 0.0).then(|| SectionPlace { z_mm: centre.y - depth.sqrt(), step })
+    /// Radius of the nose, mm.
+    pub(super) fn nose_mm(&self) -> f64 {
+        self.nose_mm
     }
 
-    /// Distances from the axis of the cusps between circles, rising.
-    pub fn cusps(&self) -> impl DoubleEndedIterator<Item = f64> + '_ {
-        self.arcs.iter().skip(1).map(|arc| arc.from_mm)
+    /// Puts the passes in the order of the turns at which they begin, in which [`Self::pass_at`] finds them.
+    pub(super) fn sort(&mut self) {
+        self.passes.sort_by(|a, b| a.span()[0].total_cmp(&b.span()[0]));
     }
-}
 
-/// Distance from the axis from which on the lower side of the circle about `b` is the lower one, whose centre is farther out than `a`.
-fn crossing(a: DVec2, b: DVec2, radius: f64) -> f64 {
-    let (middle, way) = (0.5 * (a + b), b - a);
-    let length = way.length();
-    let half = 0.5 * length;
-    let rise = f64::sqrt((radius * radius - half * half).max(0.0)) / length;
-    let cross = middle + rise * DVec2::new(way.y, -way.x);
-    // Where the circles cross on the upper side of one, the other's lower side ends above it or does not meet it.
-    if half >= radius || cross.y > a.y.min(b.y) {
-        return if a.y < b.y { a.x + radius } else { b.x - radius };
+    /// The pass in which the spindle has made so many turns, of passes that are in the order of their turns; none between passes.
+    pub(super) fn pass_at(&self, turn: f64) -> Option<&TurningPass> {
+        /// What rounding leaves between a pass and the next one, turns.
+        const GAP: f64 = 1e-9;
+        let next = self.passes.partition_point(|pass| pass.span()[0] <= turn);
+        let pass = &self.passes[next.checked_sub(1)?];
+        (turn <= pass.span()[1] + GAP).then_some(pass)
     }
-    cross.x
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::DVec3;
-    use crate::num::sample::Draws;
     use crate::program::ToolMove;
 
     fn path(places: &[(f64, f64)], nose_mm: f64, feed_mm: f64) -> TurningPath {
@@ -186,33 +140,6 @@ mod tests {
             found.turns.push(from.distance(to) / feed_mm);
         }
         found
-    }
-
-    /// The lowest of circles by trying all of them.
-    fn tried(centres: &[DVec2], radius: f64, at: f64) -> Option<f64> {
-        let depth = |c: &DVec2| radius * radius - (at - c.x) * (at - c.x);
-        let all = centres.iter().filter(|c| depth(c) >= 0.0).map(|c| c.y - depth(c).sqrt());
-        all.reduce(f64::min)
-    }
-
-    /// Of circles anywhere, some far apart, some hidden by others.
-    #[test]
-    fn a_section_is_the_lowest_of_all_circles() {
-        let mut random = Draws::new(7);
-        for spread in [0.1, 1.0, 10.0] {
-            let centres: Vec<DVec2> =
-                (0..60).map(|_| DVec2::new(20.0 * random.unit(), spread * random.unit())).collect();
-            let all = centres.iter().enumerate().map(|(k, at)| (*at, k)).collect();
-            let section = TurnedSection::new(all, 0.7);
-            for k in 0..4000 {
-                let at = -1.0 + 22.0 * f64::from(k) / 4000.0;
-                let found = section.lowest(at).map(|place| place.z_mm);
-                match (found, tried(&centres, 0.7, at)) {
-                    (Some(a), Some(b)) => assert!((a - b).abs() < 1e-9, "{spread} {at}: {a} {b}"),
-                    (a, b) => assert_eq!(a.is_some(), b.is_some(), "{spread} {at}"),
-                }
-            }
-        }
     }
 
     /// Over a plane the cusps stand r - sqrt(r^2 - f^2 / 4) over the lowest places, which are f apart.

@@ -57,6 +57,19 @@ impl FrameReport {
     }
 }
 
+/// The widest of some ranges of azimuth in degrees, in their order, and how many others there are.
+fn widest(ranges: &[[f64; 2]]) -> (Vec<String>, usize) {
+    /// Ranges that are named.
+    const NAMED: usize = 4;
+    let mut widths: Vec<f64> = ranges.iter().map(|[a, b]| b - a).collect();
+    widths.sort_by(|a, b| b.total_cmp(a));
+    let least = widths.get(NAMED - 1).copied().unwrap_or(0.0);
+    let named = ranges.iter().filter(|[a, b]| b - a >= least).take(NAMED);
+    let named: Vec<String> = named.map(|[a, b]| format!("{a:.3} to {b:.3}")).collect();
+    let others = ranges.len() - named.len();
+    (named, others)
+}
+
 impl Answer for FrameReport {
     fn head(&self) -> Head<'_> {
         Head::judged(&self.profile, self.verdict, &self.reasons)
@@ -90,8 +103,11 @@ impl FrameReport {
 
     fn add_coverage(&self, rows: &mut AnswerRows) {
         let Coverage { azimuth_deg, gaps_deg, seams, lowest_deg, highest_deg, .. } = &self.coverage;
-        let gaps = gaps_deg.iter().map(|[a, b]| format!(", not {a:.3} to {b:.3}"));
-        let gaps: String = gaps.collect();
+        let (widest, others) = widest(gaps_deg);
+        let mut gaps: String = widest.iter().map(|gap| format!(", not {gap}")).collect();
+        if others > 0 {
+            gaps += &format!(", nor {others} narrower gaps");
+        }
         rows.terminal("azimuth", format!("{azimuth_deg:.3} of 360 deg covered{gaps}"));
         for seam in seams {
             let (px, deg) = (seam.gap_px, seam.gap_deg);
@@ -118,8 +134,10 @@ impl FrameReport {
     /// What each obstacle hides.
     fn add_obstacles(&self, rows: &mut AnswerRows) {
         for Obstruction { name, pixels, azimuth_deg, elevation_deg } in &self.obstacles {
-            let azimuths: Vec<String> =
-                azimuth_deg.iter().map(|[a, b]| format!("{a:.3} to {b:.3}")).collect();
+            let (mut azimuths, others) = widest(azimuth_deg);
+            if others > 0 {
+                azimuths.push(format!("{others} narrower ranges"));
+            }
             let sentence = match elevation_deg {
                 Some([low, high]) => format!(
                     "{name}: {pixels} pixels, azimuth {} deg, elevation {low:.3} to {high:.3} deg",
@@ -148,5 +166,22 @@ impl FrameReport {
             let pixels = resolution.pixels.to_string();
             rows.line(line(&format!("  {name}"), [&least, &mean, &most, &ratio, &pixels]));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_ranges_the_widest_are_named() {
+        let few = [[0.0, 1.0], [2.0, 2.5]];
+        assert_eq!(widest(&few), (vec!["0.000 to 1.000".into(), "2.000 to 2.500".into()], 0));
+        let many: Vec<[f64; 2]> =
+            (0..50).map(|k| [f64::from(k), f64::from(k) + 0.01 * f64::from(k % 10)]).collect();
+        let (named, others) = widest(&many);
+        assert_eq!(named[0], "9.000 to 9.090");
+        assert_eq!((named.len(), others), (4, 46));
+        assert_eq!(widest(&[]), (Vec::new(), 0));
     }
 }

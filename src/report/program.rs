@@ -1,14 +1,19 @@
 //! What a program cuts, in answers.
 
 use super::answer::{AnswerRows, ToRows};
-use crate::results::{CutDeparture, ProgramFacts, coordinate, three_digits};
+use crate::geom::Cutter;
+use crate::results::{CutDeparture, ProgramFacts, SlopeOrigin, coordinate, three_digits};
 
 impl ToRows for ProgramFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
         let Self { ball_mm, nose_mm, lines, moves, cutting_mm, rapid_mm, cutting_min, .. } = self;
         let ball = ball_mm.map(|mm| format!("a ball of {mm} mm radius"));
         let nose = nose_mm.map(|mm| format!("a nose of {mm} mm radius"));
-        let tool = ball.or(nose).unwrap_or_default();
+        let other = self
+            .radius_mm
+            .zip(self.corner_mm)
+            .map(|(radius_mm, corner_mm)| format!("a {}", Cutter { radius_mm, corner_mm }.words()));
+        let tool = ball.or(nose).or(other).unwrap_or_default();
         rows.add(
             "program",
             format!(
@@ -38,7 +43,11 @@ impl ToRows for ProgramFacts {
             }
             let moves = format!("{moves} straight moves; {:.2} m of rapid ones", 1e-3 * rapid_mm);
             rows.add("moves", moves);
-            rows.add("as cut", format!("{optical_triangles} optical triangles"));
+            let slopes = match self.slopes {
+                SlopeOrigin::Facets => "",
+                SlopeOrigin::Path => "; slopes are those that the moves leave, which are finer",
+            };
+            rows.add("as cut", format!("{optical_triangles} optical triangles{slopes}"));
         });
     }
 }

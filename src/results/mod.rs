@@ -53,7 +53,7 @@ pub use machining::{
 };
 pub use measured::{AlignmentFacts, UnitFacts};
 pub use milling::{LeftFacts, LengthFacts, OperationFacts, ProgramReport, ServoFacts};
-pub use program::{CutDeparture, ProgramFacts};
+pub use program::{CutDeparture, ProgramFacts, SlopeOrigin};
 pub use reason::{Reason, ReasonKind, ReasonSubject};
 pub use render::RenderReport;
 pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};

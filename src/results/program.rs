@@ -2,13 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A program, and the face that a ball cutter, or a nose on a lathe, leaves along its moves.
+/// A program, and the face that a cutter, or a nose on a lathe, leaves along its moves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ProgramFacts {
-    /// Radius of the ball cutter, mm; none of a lathe.
+    /// Radius of the ball cutter, mm; none of another cutter, and of a lathe.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ball_mm: Option<f64>,
+    /// Radius of a cutter with a flat end, mm; none of a ball, and of a lathe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_mm: Option<f64>,
+    /// Radius of the rounded edge of such a cutter, mm: 0 of a flat one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corner_mm: Option<f64>,
     /// Radius of the tool's nose on a lathe, mm; none of a mill.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nose_mm: Option<f64>,
@@ -33,10 +39,33 @@ pub struct ProgramFacts {
     pub parallel: Option<f64>,
     /// Facets of the face as cut.
     pub optical_triangles: usize,
+    /// What the slopes of the face are those of, by which rays are reflected.
+    #[serde(default)]
+    pub slopes: SlopeOrigin,
     /// Most material that is left on the mirror, along its normal.
     pub highest: CutDeparture,
     /// Least, which is negative where the program cuts into the mirror.
     pub lowest: CutDeparture,
+}
+
+/// What the slopes of a face as cut are those of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SlopeOrigin {
+    /// Its facets, which follow the cusps.
+    #[default]
+    Facets,
+    /// The cut itself where a ray meets it: facets are too wide for its cusps.
+    Path,
+}
+
+impl SlopeOrigin {
+    /// Of a face of which is told whether the path tells its slopes.
+    #[must_use]
+    pub fn of(is_path: bool) -> Self {
+        if is_path { Self::Path } else { Self::Facets }
+    }
 }
 
 /// Distance of a cut from the mirror.

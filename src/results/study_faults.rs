@@ -90,19 +90,6 @@ pub enum CuttingFault {
          camera's axis"
     )]
     Elsewhere,
-    /// Lines of a program are too near each other for facets to follow.
-    #[error(
-        "the lines of the program are {apart_mm:.4} mm apart, and it takes {facets:.1e} facets to follow what they leave, over \
-         {most:.0e}; a part of the program, or one of parallel lines, takes fewer"
-    )]
-    Fine {
-        /// Mean distance of the lines, mm.
-        apart_mm: f64,
-        /// Facets that it takes.
-        facets: f64,
-        /// Most facets.
-        most: f64,
-    },
     /// A move meets the stock as it should not.
     #[error(
         "the {} {depth_mm:.3} mm {} the stock at X {:.3}, Y {:.3} mm", meeting.words(*line)[0], meeting.words(*line)[1], at_mm[0],

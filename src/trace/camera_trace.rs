@@ -5,6 +5,7 @@
 //! arithmetic, to the last bit, as the general search; so both answer alike.
 
 use super::camera_rays::CameraRays;
+use super::face_slopes::FaceSlopes;
 use super::ray_end::{Outcome, RayEnd};
 use super::scene::LeavingRay;
 use super::trace_counts::TraceCounts;
@@ -25,6 +26,8 @@ pub struct CameraTrace<'a> {
     /// The curved faces as the camera sees them, if all are before its pinhole; made when they are first needed.
     charted: Arc<OnceLock<Option<ChartedBody<'a>>>>,
     shortcuts: bool,
+    /// Slopes of the face; none where they are those of its facets.
+    slopes: Option<&'a dyn FaceSlopes>,
     /// Most pixels of a strip, unless two bands have more.
     strip_pixels: usize,
 }
@@ -40,7 +43,14 @@ impl<'a> CameraTrace<'a> {
         let rays = Arc::new(CameraRays::new(camera, top_mm));
         let part = part.into();
         let charted = Arc::default();
-        Self { part, rays, charted, shortcuts: true, strip_pixels: Self::STRIP_PIXELS }
+        let strip_pixels = Self::STRIP_PIXELS;
+        Self { part, rays, charted, shortcuts: true, slopes: None, strip_pixels }
+    }
+
+    /// The same trace of a face with these slopes, if there are any.
+    #[must_use]
+    pub fn with_slopes(self, slopes: Option<&'a dyn FaceSlopes>) -> Self {
+        Self { slopes, ..self }
     }
 
     /// The same trace without rasterizer and proofs: every ray is searched for and followed. It must
@@ -59,6 +69,11 @@ impl<'a> CameraTrace<'a> {
     /// The part that is traced.
     pub(super) fn part(&self) -> TracedPart<'a> {
         self.part
+    }
+
+    /// Slopes of the face, if they are not those of its facets.
+    pub(super) fn slopes(&self) -> Option<&'a dyn FaceSlopes> {
+        self.slopes
     }
 
     /// Columns and rows.

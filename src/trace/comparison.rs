@@ -5,6 +5,7 @@ use super::camera_rays::{CameraRays, PixelRay};
 use super::camera_trace::CameraTrace;
 use super::digest::Digest;
 use super::expected_ray::ExpectedRay;
+use super::face_slopes::reflected;
 use super::filled_range::FilledRange;
 use super::pixel_trace::{PixelTrace, RayErrors};
 use super::ray_end::{Outcome, RayEnd};
@@ -164,11 +165,12 @@ impl<'a, 'b, T: Fn([u32; 2], &[PixelRay]) -> Vec<ExpectedRay> + Sync> Comparison
             let (of_camera, expected) = self.expected(rays, at, run.len());
             let (pixels, ends) = (&mut pixels[run.clone()], &ends[run]);
             for (k, pixel) in pixels.iter_mut().enumerate() {
+                let ray = &of_camera[k].ray;
                 *pixel = PixelTrace {
                     outcome: ends[k].outcome,
                     aimed: expected[k].aimed,
-                    direction: ends[k].direction,
-                    hit_point: ends[k].hit_point(&of_camera[k].ray),
+                    direction: reflected(self.trace.slopes(), ray, &ends[k]),
+                    hit_point: ends[k].hit_point(ray),
                     errors: None,
                 };
             }
@@ -205,7 +207,7 @@ impl<'a, 'b, T: Fn([u32; 2], &[PixelRay]) -> Vec<ExpectedRay> + Sync> Comparison
                 digest.smooth[first + k] = Some(errors);
             }
         }
-        let rays: Vec<_> = hits.iter().map(|&k| leaving(k, run.ends[k].direction)).collect();
+        let rays: Vec<_> = hits.iter().map(|&k| leaving(k, pixels[k].direction)).collect();
         for (k, errors) in hits.iter().zip(run.errors(task, &hits, &rays)) {
             pixels[*k].errors = Some(errors);
         }

@@ -94,13 +94,6 @@ impl<'a> Meridian<'a> {
         (0..=PLACES).map(move |k| self.at(outer + share(k) * (inner - outer)))
     }
 
-    /// Length of the meridian, mm.
-    #[must_use]
-    pub fn length_mm(&self) -> f64 {
-        let places: Vec<DVec2> = self.places().map(|place| place.at).collect();
-        places.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
-    }
-
     /// Largest |slope|.
     #[must_use]
     pub fn steepest(&self) -> f64 {

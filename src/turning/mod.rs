@@ -166,21 +166,6 @@ pub enum TurningError {
     /// The machine is too small.
     #[error(transparent)]
     Travel(#[from] TravelExceeded),
-    /// The turns are too near each other for facets to follow them.
-    #[error(
-        "a feed of {feed_mm} mm in a turn takes about {facets:.1e} facets to prove, over {most:.0e}: take a program.feed_mm_rev of \
-         {least_mm} mm or more"
-    )]
-    Fine {
-        /// The feed, mm.
-        feed_mm: f64,
-        /// Facets that it takes.
-        facets: f64,
-        /// The most.
-        most: f64,
-        /// The least feed that will do, mm.
-        least_mm: f64,
-    },
     /// More moves than a program may have.
     #[error(
         "{what} would take more than {most:.0e} moves: take a larger program.chord_um or stepdown_mm"

@@ -1,12 +1,18 @@
 //! Programs of lathes: the text of an operation as a control reads it.
 
 use super::operation::TurnedOperation;
-use crate::milling::{Pace, TipMove, program_comment, program_number};
+use crate::milling::{Pace, TipMove, program_comment, program_number, rounded_number};
 use crate::profile::{LatheControl, WorkOffset};
 use std::fmt::Write;
 
 /// Number of a Fanuc program, and of the tool.
 const NUMBER: u32 = 1;
+/// Feed over the nose's radius below which places have nanometres: moves are then so short that a tenth of a micrometre would tilt them by
+/// a tenth of what the cusps are tilted. Controls of lathes that cut so fine read them; a Fanuc takes them for an error, unless it is
+/// made for them.
+const FINE_FEED: f64 = 0.02;
+/// Decimals of a millimetre in usual programs and in those.
+const DECIMALS: [usize; 2] = [4, 6];
 /// Turns for which a tool is held in the axis: one, and a little.
 const HELD_TURNS: f64 = 1.1;
 
@@ -30,7 +36,9 @@ pub fn lathe_program_text(header: &LatheHeader, operation: &TurnedOperation) -> 
     let mut text = String::new();
     begin(&mut text, header, operation);
     let held = operation.is_held.then(|| operation.motions.len().saturating_sub(1));
-    let mut writer = TurnWriter { place: [const { None }; 2], word: "", feed: None };
+    let is_fine = operation.feed_mm_rev < FINE_FEED * operation.nose_mm;
+    let decimals = DECIMALS[usize::from(is_fine && header.control == LatheControl::Linuxcnc)];
+    let mut writer = TurnWriter { place: [const { None }; 2], word: "", feed: None, decimals };
     for (k, motion) in operation.motions.iter().enumerate() {
         if held == Some(k) {
             let seconds = (6e3 * HELD_TURNS / operation.spindle_rpm).ceil() / 100.0;
@@ -88,6 +96,7 @@ struct TurnWriter {
     place: [Option<String>; 2],
     word: &'static str,
     feed: Option<f64>,
+    decimals: usize,
 }
 
 impl TurnWriter {
@@ -101,7 +110,7 @@ impl TurnWriter {
         let before = words.len();
         let values = [("X", 2.0 * motion.to.x), ("Z", motion.to.z)];
         for ((letter, value), place) in values.into_iter().zip(&mut self.place) {
-            let value = program_number(value);
+            let value = rounded_number(value, self.decimals);
             if place.as_ref() != Some(&value) {
                 words.push(format!("{letter}{value}"));
                 *place = Some(value);

@@ -94,13 +94,6 @@ impl ServoTask<'_> {
         tool_fit::clears(self.sections.sections(), edges_deg)?;
         tool_fit::holds(self.sections.sections(), nose.radius_mm, rough.allowance_mm)?;
         self.clears_flank()?;
-        let finishing = AskedOperation {
-            kind: OperationKind::Finishing,
-            feed_mm: self.feed_mm,
-            left_mm: 0.0,
-            chord_mm: 1e-3 * self.spec.finishing.chord_um,
-            slope: FINE_SLOPE * 0.5 * self.feed_mm / nose.radius_mm,
-        };
         let feeds = OperationFeeds::new(self.spec, self.feed_mm);
         let coarse = |kind, feed_mm, left_mm| AskedOperation {
             kind,
@@ -110,10 +103,39 @@ impl ServoTask<'_> {
             slope: f64::INFINITY,
         };
         // The finest is what is refused, if any is: not after all others have been made.
-        let finishing = self.operation(finishing)?;
+        let finishing = self.operation(self.finishing(self.feed_mm))?;
         let rough = coarse(OperationKind::Roughing, feeds.rough_feed_mm, rough.allowance_mm);
         let even = coarse(OperationKind::SemiFinishing, feeds.even_feed_mm, feeds.even_mm);
         Ok(vec![self.operation(rough)?, self.operation(even)?, finishing])
+    }
+
+    /// The least feed of finishing, mm, whose turns have enough points and all of them no more than a program may have; none where no feed
+    /// up to the nose's radius does.
+    #[must_use]
+    pub fn least_feed_mm(&self) -> Option<f64> {
+        /// Halvings of its logarithm, to far less than four digits from a thousandth of what is too little.
+        const HALVINGS: usize = 40;
+        let has_room = |feed_mm: f64| self.per_turn(self.finishing(feed_mm)).is_ok();
+        let [mut low, mut high] = [1e-6, 1.0].map(|share| share * self.spec.nose.radius_mm);
+        if !has_room(high) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = f64::sqrt(low * high);
+            if has_room(middle) { high = middle } else { low = middle }
+        }
+        Some(high)
+    }
+
+    /// Finishing with a feed.
+    fn finishing(&self, feed_mm: f64) -> AskedOperation {
+        AskedOperation {
+            kind: OperationKind::Finishing,
+            feed_mm,
+            left_mm: 0.0,
+            chord_mm: 1e-3 * self.spec.finishing.chord_um,
+            slope: FINE_SLOPE * 0.5 * feed_mm / self.spec.nose.radius_mm,
+        }
     }
 
     /// That no place falls along the direction of cutting more steeply than the tool's flank.

@@ -1,14 +1,14 @@
 //! Cusps of a cut: places in which the cuts of two moves meet, by search along a line of the plan.
 
 use crate::geom::DVec2;
-use crate::program::{SweptBall, SweptPlace};
+use crate::program::{SweptCutter, SweptPlace};
 
 /// Halvings of the interval in which a cusp is searched for.
 const HALVINGS: usize = 24;
 
 /// Search for cusps across lines that are nearly even.
 pub(super) struct CuspSearch<'a> {
-    pub swept: &'a SweptBall,
+    pub swept: &'a SweptCutter,
     /// Unit vectors along the lines and across them.
     pub ways: [DVec2; 2],
     /// Distance of the lines, mm.
@@ -27,7 +27,7 @@ impl CuspSearch<'_> {
         let (before, after) = (lowest(y - half)?, lowest(y + half)?);
         let rises = |place: &SweptPlace| place.slope.dot(across);
         // Up to a cusp the cut rises and beyond it falls, by about half a stepover over the radius each.
-        let least = 0.25 * self.apart_mm / self.swept.radius_mm();
+        let least = 0.25 * self.apart_mm / self.swept.cutter().radius_mm;
         if before.step == after.step || !(rises(&before) - rises(&after) > least) {
             return None;
         }

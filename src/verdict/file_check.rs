@@ -1,5 +1,6 @@
 //! What the bytes of one file showed: as a solid, at its vertices, and to the camera's rays.
 
+use super::cut_slopes::CutSlopes;
 use super::expected_rays::expected_rays;
 use super::vertex_check::worst_vertex;
 use crate::brep::{Body, BodyFacts};
@@ -13,8 +14,8 @@ use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
 use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::{SolidCheck, check};
 use crate::trace::{
-    BodyScene, CameraTrace, FrameFill, FrameFillBuilder, Obstacles, OutcomeCounts, Scene,
-    TraceCounts, TraceStrip, TraceSummary, WantedPicture,
+    BodyScene, CameraTrace, FaceSlopes, FrameFill, FrameFillBuilder, Obstacles, OutcomeCounts,
+    Scene, TraceCounts, TraceStrip, TraceSummary, WantedPicture,
 };
 use std::error::Error;
 use std::sync::Arc;
@@ -102,10 +103,12 @@ impl FileCheck {
         (promise, shortcuts): (Promise, bool),
         each: EachStrip,
     ) -> (Self, TraceCounts) {
-        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex, closed } = checked;
+        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex, closed, slopes } =
+            checked;
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = Scene::for_cameras(mesh, closed).among(obstacles.map(Arc::new));
-        let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
+        let slopes = slopes.as_ref().map(|slopes| slopes as &dyn FaceSlopes);
+        let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm()).with_slopes(slopes);
         let tracing = FileTrace { profile, design, promise, shortcuts };
         let height = |facet: u32| {
             let corners = scene.mesh().corners(facet as usize);
@@ -246,6 +249,8 @@ pub(crate) struct CheckedMesh {
     vertex: Option<VertexFacts>,
     /// Whether the mesh is known to be closed.
     closed: bool,
+    /// Slopes of its face, where they are not those of its facets.
+    slopes: Option<CutSlopes>,
 }
 
 impl CheckedMesh {
@@ -265,11 +270,16 @@ impl CheckedMesh {
                 FormedFace::of(tool, &design.mirror, &reread.mesh);
             let vertex = worst_vertex.map(facts);
             let formed = ImportedMesh { mesh, normals: None };
-            return Self { reread: formed, solid, vertex, closed: false };
+            return Self { reread: formed, solid, vertex, closed: false, slopes: None };
         }
         let vertex = worst_vertex(design, vertices).map(facts);
         let closed = check.closed && check.oriented && check.manifold;
-        Self { reread, solid, vertex, closed }
+        Self { reread, solid, vertex, closed, slopes: None }
+    }
+
+    /// The same with the slopes of a face as cut, if its facets have not got them.
+    pub(crate) fn with_slopes(self, slopes: Option<CutSlopes>) -> Self {
+        Self { slopes, ..self }
     }
 }
 

@@ -3,6 +3,7 @@
 mod axis_faults;
 mod bar_on_lathe;
 mod cusp_search;
+mod cut_slopes;
 mod cutter_survey;
 mod expected_rays;
 mod file_check;
@@ -21,6 +22,7 @@ mod vertex_check;
 
 pub(crate) use axis_faults::axis_faults;
 pub(crate) use bar_on_lathe::{BarOnLathe, CutTask, TurnedLeft};
+pub(crate) use cut_slopes::CutSlopes;
 pub use cutter_survey::MachiningOptions;
 pub(crate) use cutter_survey::{CutterSurvey, analysis_of, directed, stock_corners};
 pub(crate) use expected_rays::expected_rays;

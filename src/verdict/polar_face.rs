@@ -4,6 +4,8 @@
 //! each azimuth the nearest row is moved onto each cusp, and where a cusp goes over to the next row, the facets' diagonal follows it.
 //! Towards the axis azimuths become fewer by halves, as the circles do. Beyond the largest circle that a rim leaves whole, facets follow the cusps
 //! of each azimuth up to it.
+//!
+//! Where that takes too many facets rows are even, and the face is without its cusps: their slopes are then the path's to tell.
 
 use super::polar_rim::{self, RimPlace};
 use super::polar_section::PolarSection;
@@ -31,6 +33,12 @@ const MOST_HALVINGS: usize = 4;
 const LEAST_AZIMUTHS: f64 = 360.0;
 /// Tilts of facets about the axis over those of the cusps: independent of them, they add 1 % to the root mean square.
 const TILT_SHARE: f64 = 0.14;
+/// Facets of a face without cusps, about, and its azimuths at the most: chords are then less than a micrometre off any mirror that is
+/// turned, and what they are off in slope is the path's to tell.
+const EVEN_FACETS: f64 = 1.5e6;
+const EVEN_AZIMUTHS: f64 = 1440.0;
+/// One azimuth of so many has its cusps among the highest places.
+const PEAKS: usize = 4;
 /// Facets for each row and azimuth of the rim, as azimuths become fewer towards the axis: twice the mean of 1, 1/2, 1/4... over halves,
 /// quarters... of the radius.
 const FACETS: f64 = 4.0 / 3.0;
@@ -43,15 +51,14 @@ pub(super) struct PolarFace {
     pub steps: Vec<usize>,
     /// Mean distance of the cusps along the radius, mm.
     pub apart_mm: f64,
+    /// Whether facets follow the cusps; else the face is without them.
+    pub follows_cusps: bool,
+    /// Cusps that the face is without, with the moves that leave them: some of all.
+    pub peaks: Vec<(DVec3, usize)>,
 }
 
-/// A place that no move comes over, or more facets than can be had.
-pub(super) enum PolarFault {
-    /// X and Y, mm.
-    Uncut([f64; 2]),
-    /// The mean distance of the turns, mm, and the facets.
-    Fine(f64, f64),
-}
+/// X and Y of a place that no move comes over, mm.
+pub(super) struct UncutPlace(pub [f64; 2]);
 
 /// What a face is to be.
 pub(super) struct PolarLimits<'a> {
@@ -63,7 +70,7 @@ pub(super) struct PolarLimits<'a> {
     pub corners: &'a [f64],
     /// Azimuths of a circle: as [`whole`] has them.
     pub azimuths: f64,
-    /// Most facets.
+    /// Most facets that follow cusps.
     pub most: f64,
 }
 
@@ -86,7 +93,7 @@ pub(super) fn facet_estimate(turns: f64, azimuths: f64) -> f64 {
 
 impl PolarFace {
     /// What `surface` leaves.
-    pub(super) fn new(surface: &TurnedSurface, limits: PolarLimits) -> Result<Self, PolarFault> {
+    pub(super) fn new(surface: &TurnedSurface, limits: PolarLimits) -> Result<Self, UncutPlace> {
         Self::of_sections(&|share| surface.section(share), limits)
     }
 
@@ -94,39 +101,84 @@ impl PolarFace {
     pub(super) fn of_sections<S: PolarSection>(
         section: &(impl Fn(f64) -> S + Sync),
         limits: PolarLimits,
-    ) -> Result<Self, PolarFault> {
-        let [inner, mut outer] = limits.radii_mm;
+    ) -> Result<Self, UncutPlace> {
+        let [inner, outer] = limits.radii_mm;
         let cusps = section(0.0).cusps_mm().into_iter().rev();
         let cusps: Vec<f64> = cusps.filter(|at| (inner..outer).contains(at)).collect();
         let apart_mm = (outer - inner) / cusps.len().max(1) as f64;
-        let facets = facet_estimate(cusps.len() as f64, limits.azimuths);
-        if !(facets <= limits.most) {
-            return Err(PolarFault::Fine(apart_mm, facets));
+        if facet_estimate(cusps.len() as f64, limits.azimuths) <= limits.most {
+            let rows = |outer: f64| {
+                let cusps: Vec<f64> = cusps.iter().copied().filter(|cusp| *cusp < outer).collect();
+                rows(&cusps, [inner, outer])
+            };
+            let pitch_mm = apart_mm / ROWS as f64;
+            let count = limits.azimuths as usize;
+            let face = Self::on_rows(section, &limits, (&rows, pitch_mm, count))?;
+            return Ok(Self { apart_mm, ..face });
         }
-        let count = limits.azimuths as usize;
-        let rims = uneven_rim(&limits, count);
+        let azimuths = limits.azimuths.min(EVEN_AZIMUTHS);
+        let count = (EVEN_FACETS / (FACETS * azimuths)).ceil();
+        let rows = |outer: f64| {
+            let row = |k: usize| outer + (inner - outer) * (k as f64 / count);
+            (0..=count as usize).map(row).collect()
+        };
+        let without = |share: f64| WithoutCusps(section(share));
+        let pitch_mm = (outer - inner) / count;
+        let face = Self::on_rows(&without, &limits, (&rows, pitch_mm, azimuths as usize))?;
+        Ok(Self { apart_mm, follows_cusps: false, ..face })
+    }
+
+    /// The face on rows up to a radius, which are about so far apart, mm, with so many azimuths.
+    fn on_rows<S: PolarSection>(
+        section: &(impl Fn(f64) -> S + Sync),
+        limits: &PolarLimits,
+        (rows, pitch_mm, count): (&dyn Fn(f64) -> Vec<f64>, f64, usize),
+    ) -> Result<Self, UncutPlace> {
+        let mut outer = limits.radii_mm[1];
+        let rims = uneven_rim(limits, count);
         if let Some(rims) = &rims {
             // The largest circle that the rim leaves room beside.
-            outer = rims.iter().map(|rim| rim.radius_mm).fold(outer, f64::min) - HALF * apart_mm;
+            let room_mm = HALF * ROWS as f64 * pitch_mm;
+            outer = rims.iter().map(|rim| rim.radius_mm).fold(outer, f64::min) - room_mm;
         }
-        let cusps: Vec<f64> = cusps.into_iter().filter(|cusp| *cusp < outer).collect();
-        let lattice = PolarLattice::new(rows(&cusps, [inner, outer]), count);
+        let lattice = PolarLattice::new(rows(outer), count);
         let spokes = parallel::map(count, 1, |k| {
             let own = section(k as f64 / count as f64);
             let beyond = rims.as_ref().map(|rims| {
                 let rim = &rims[k];
                 let corner = rim.is_corner.then(|| section(rim.azimuth / TAU));
                 let section = corner.as_ref().unwrap_or(&own);
-                polar_rim::beyond(section, outer, rim, apart_mm / ROWS as f64)
+                polar_rim::beyond(section, outer, rim, pitch_mm)
             });
-            (lattice.spoke(&own, k), beyond)
+            let has_peaks = k.is_multiple_of(PEAKS);
+            let peaks = if has_peaks { lattice.peaks(&own, k) } else { Vec::new() };
+            (lattice.spoke(&own, k), (beyond, peaks))
         });
         let (spokes, beyond): (Vec<_>, Vec<_>) = spokes.into_iter().unzip();
-        let mut face = lattice.joined(&spokes, apart_mm)?;
+        let (beyond, peaks): (Vec<_>, Vec<_>) = beyond.into_iter().unzip();
+        let mut face = lattice.joined(&spokes)?;
+        face.peaks = peaks.concat();
         if let Some(beyond) = beyond.into_iter().collect::<Option<Vec<_>>>() {
-            polar_rim::add(&mut face.mesh, &mut face.steps, &beyond).map_err(PolarFault::Uncut)?;
+            polar_rim::add(&mut face.mesh, &mut face.steps, &beyond).map_err(UncutPlace)?;
         }
         Ok(face)
+    }
+}
+
+/// A section without its cusps.
+struct WithoutCusps<S>(S);
+
+impl<S: PolarSection> PolarSection for WithoutCusps<S> {
+    fn cusps_mm(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn cut(&self, radius_mm: f64) -> Option<(f64, usize)> {
+        self.0.without_cusps(radius_mm)
+    }
+
+    fn left_out(&self, radius_mm: f64) -> Option<(f64, f64, usize)> {
+        self.0.cusp_beside(radius_mm)
     }
 }
 
@@ -233,12 +285,21 @@ impl PolarLattice {
         moved.iter().enumerate().map(place).collect()
     }
 
+    /// The cusps of one azimuth beside its places that are left out of them.
+    fn peaks(&self, section: &impl PolarSection, azimuth: usize) -> Vec<(DVec3, usize)> {
+        let angle = TAU * azimuth as f64 / self.azimuths as f64;
+        let [outer, inner] = [self.rows[0], self.rows[self.rows.len() - 1]];
+        let beside = self.rows.iter().filter_map(|&row| section.left_out(row));
+        beside
+            .filter(|(radius, ..)| (inner..=outer).contains(radius))
+            .map(|(radius, z, step)| {
+                (DVec3::new(radius * cos(angle), radius * sin(angle), z), step)
+            })
+            .collect()
+    }
+
     /// All spokes as a mesh. In the axis it is as low as the lowest of them.
-    fn joined(
-        &self,
-        spokes: &[Vec<Option<SpokePlace>>],
-        apart_mm: f64,
-    ) -> Result<PolarFace, PolarFault> {
+    fn joined(&self, spokes: &[Vec<Option<SpokePlace>>]) -> Result<PolarFace, UncutPlace> {
         let (mut vertices, mut steps) = (Vec::new(), Vec::new());
         for (row, stride) in self.strides.iter().enumerate() {
             let places = spokes.iter().enumerate().step_by(*stride);
@@ -252,13 +313,14 @@ impl PolarLattice {
             for (k, SpokePlace { radius_mm, cut, .. }) in places {
                 let angle = TAU * k as f64 / self.azimuths as f64;
                 let [x, y] = [radius_mm * cos(angle), radius_mm * sin(angle)];
-                let Some((z, step)) = cut else { return Err(PolarFault::Uncut([x, y])) };
+                let Some((z, step)) = cut else { return Err(UncutPlace([x, y])) };
                 vertices.push(DVec3::new(x, y, z));
                 steps.push(step);
             }
         }
         let triangles = (1..self.rows.len()).flat_map(|row| self.ring(row, spokes)).collect();
-        Ok(PolarFace { mesh: TriMesh { vertices, triangles }, steps, apart_mm })
+        let mesh = TriMesh { vertices, triangles };
+        Ok(PolarFace { mesh, steps, apart_mm: 0.0, follows_cusps: true, peaks: Vec::new() })
     }
 
     /// The facets between a row and the one outside it.

@@ -1,10 +1,11 @@
 //! The face that a program of any making cuts: what its moves leave of the mirror.
 
 use super::cusp_search::CuspSearch;
+use super::cut_slopes::{CutSlopes, SlopeSource};
 use super::turns_face::RoundFace;
 use crate::design::Design;
 use crate::forming::ParallelSurface;
-use crate::geom::{DVec2, DVec3, TriMesh};
+use crate::geom::{Cutter, DVec2, DVec3, TriMesh};
 use crate::machining::{
     BallRaster, FaceLattice, MachiningError, ROWS, bounding_corners, face_of_cut, facet_estimate,
     plan_outlines,
@@ -13,11 +14,13 @@ use crate::mirror::Mirror;
 use crate::num::degrees;
 use crate::parallel;
 use crate::profile::FinishingPath;
-use crate::program::{PathCoverage, SweptBall, ToolMove, ToolPath, TurnCoverage};
-use crate::results::{CutDeparture, CuttingFault, ProgramFacts};
+use crate::program::{PathCoverage, SweptCutter, ToolMove, ToolPath, TurnCoverage};
+use crate::results::{CutDeparture, CuttingFault, ProgramFacts, SlopeOrigin};
 
-/// The most facets of a face.
+/// The most facets of a face whose cusps they follow.
 const MOST_FACETS: f64 = 6e6;
+/// The most of one whose slopes the program tells: with 2 million chords of the shipped mirrors are less than a micrometre off them.
+const MOST_PLAIN_FACETS: f64 = 2e6;
 /// Step along parallel lines, in their distance: where a mirror is as curved along them as a tenth of the ball, chords change
 /// slopes by a tenth of what the scallops do, which adds half a percent.
 const ALONG: f64 = 1.0;
@@ -34,8 +37,8 @@ pub(crate) struct ProgramCut {
     pub facts: ProgramFacts,
     /// Why it is no part that passes, whatever the camera sees.
     pub faults: Vec<CuttingFault>,
-    /// What is less certain than the figures say.
-    pub warning: Option<String>,
+    /// Slopes of the face, where facets do not follow its cusps.
+    pub slopes: Option<CutSlopes>,
 }
 
 impl ProgramCut {
@@ -51,36 +54,38 @@ impl ProgramCut {
         1.05 * f64::sqrt(facets / MOST_FACETS)
     }
 
-    /// What `path` cuts of the mirror of `design` with a ball.
+    /// What `path` cuts of the mirror of `design` with a cutter.
     ///
     /// # Errors
-    /// [`CuttingFault`] where no move comes over a place of the mirror, or lines are too near each other to be followed.
+    /// [`CuttingFault`] where no move comes over a place of the mirror.
     pub(crate) fn new(
         design: &Design,
         path: &ToolPath,
-        ball_mm: f64,
+        cutter: Cutter,
     ) -> Result<Self, CuttingFault> {
         let corners = bounding_corners(&plan_outlines(&design.mirror));
-        let lines = contact_lines(&design.mirror, &path.moves, ball_mm);
+        let lines = contact_lines(&design.mirror, &path.moves, cutter);
         let coverage =
             PathCoverage::new(&lines.moves, lines.every, corners).ok_or(CuttingFault::Elsewhere)?;
-        let swept = SweptBall::new(&path.moves, ball_mm, corners);
-        if let Some((mesh, apart_mm)) = cut_by_turns(&design.mirror, &swept, &lines)? {
+        let swept = SweptCutter::new(&path.moves, cutter, corners);
+        let mirror = &design.mirror;
+        if let Some((face, apart_mm)) = cut_by_turns(mirror, &swept, &lines)? {
             let lines = LineFacts { apart_mm, angle_deg: None, parallel: None };
-            return Ok(Self::of_face(design, path, (lines, &swept), mesh));
+            return Ok(Self::of_face(design, path, (lines, swept), face));
         }
         let PathCoverage { apart_mm, angle, parallel, .. } = coverage;
-        let mesh = cut_by_lines(&design.mirror, &swept, coverage)?;
+        let face = cut_by_lines(mirror, &swept, coverage)?;
         let [angle_deg, parallel] = [degrees(angle), parallel].map(Some);
         let lines = LineFacts { apart_mm, angle_deg, parallel };
-        Ok(Self::of_face(design, path, (lines, &swept), mesh))
+        Ok(Self::of_face(design, path, (lines, swept), face))
     }
 
+    /// Of a face of which is told whether facets follow its cusps.
     fn of_face(
         design: &Design,
         path: &ToolPath,
-        (lines, swept): (LineFacts, &SweptBall),
-        mesh: TriMesh,
+        (lines, swept): (LineFacts, SweptCutter),
+        (mesh, follows_cusps): (TriMesh, bool),
     ) -> Self {
         let mirror = &design.mirror;
         let departures = parallel::map_slice(&mesh.vertices, 1 << 12, |v| {
@@ -111,8 +116,12 @@ impl ProgramCut {
         let below = below.map(|step| CuttingFault::BelowBase { line: step.line, z_mm: step.to.z });
         let faults = faults.into_iter().chain(below).collect();
         let [cutting_mm, rapid_mm] = path.lengths_mm();
+        let cutter = swept.cutter();
+        let other = cutter.ball_mm().is_none().then_some(cutter);
         let facts = ProgramFacts {
-            ball_mm: Some(swept.radius_mm()),
+            ball_mm: cutter.ball_mm(),
+            radius_mm: other.map(|cutter| cutter.radius_mm),
+            corner_mm: other.map(|cutter| cutter.corner_mm),
             nose_mm: None,
             lines: path.lines,
             moves: path.moves.len(),
@@ -123,19 +132,13 @@ impl ProgramCut {
             angle_deg: lines.angle_deg,
             parallel: lines.parallel,
             optical_triangles: mesh.triangles.len(),
+            slopes: SlopeOrigin::of(!follows_cusps),
             highest: extreme(1.0),
             lowest: extreme(-1.0),
         };
-        // Facets of a pitch p that do not follow the cusps of lines w apart chord those off: of slopes that are even between
-        // -w / 2R and w / 2R a share p / w of the root mean square is lost, an eighth across lines along the lattice's rows, and
-        // sqrt(2) / 8 = 0.18 across its diagonals.
-        let is_crossed = lines.parallel.is_some_and(|parallel| parallel < PARALLEL);
-        let warning = is_crossed.then(|| {
-            "the lines of the program run in several directions: facets cut off the cusps between them, and errors may be told \
-             up to a fifth too small"
-                .to_owned()
-        });
-        Self { mesh, facts, faults, warning }
+        let facets = mesh.triangles.len();
+        let slopes = (!follows_cusps).then(|| CutSlopes::new(SlopeSource::Milled(swept), facets));
+        Self { mesh, facts, faults, slopes }
     }
 }
 
@@ -149,35 +152,44 @@ struct LineFacts {
     parallel: Option<f64>,
 }
 
+/// A face, and whether facets follow its cusps.
+type CutFace = (TriMesh, bool);
+
 /// The cut of turns about the axis of a round mirror, and how far apart they are, mm; none of other lines.
 fn cut_by_turns(
     mirror: &Mirror,
-    swept: &SweptBall,
+    swept: &SweptCutter,
     lines: &ContactLines,
-) -> Result<Option<(TriMesh, f64)>, CuttingFault> {
+) -> Result<Option<(CutFace, f64)>, CuttingFault> {
     let Some(round) = RoundFace::new(mirror) else { return Ok(None) };
     let turns = TurnCoverage::new(&lines.moves, lines.every, round.radii_mm());
     let Some(turns) = turns else { return Ok(None) };
-    let mesh = round.cut(swept, &turns, MOST_FACETS).transpose()?;
-    Ok(mesh.map(|mesh| (mesh, turns.apart_mm)))
+    let face = round.cut(swept, &turns, most_facets(swept.cutter())).transpose()?;
+    Ok(face.map(|face| (face, turns.apart_mm)))
 }
 
-/// The cut of lines that cover `mirror` so.
+/// The cut of lines that cover `mirror` so. Facets follow cusps of lines that are parallel, and not too near each other for that.
 fn cut_by_lines(
     mirror: &Mirror,
-    swept: &SweptBall,
+    swept: &SweptCutter,
     coverage: PathCoverage,
-) -> Result<TriMesh, CuttingFault> {
+) -> Result<CutFace, CuttingFault> {
     let outlines = plan_outlines(mirror);
     let PathCoverage { apart_mm, angle, parallel, .. } = coverage;
-    let raster = BallRaster { ball_mm: swept.radius_mm(), stepover_mm: apart_mm, angle };
-    let is_parallel = parallel >= PARALLEL;
-    let pitch_mm = raster.stepover_mm / ROWS as f64;
-    let along_mm = if is_parallel { ALONG * raster.stepover_mm } else { pitch_mm };
+    let ball_mm = swept.cutter().radius_mm;
+    let mut raster = BallRaster { ball_mm, stepover_mm: apart_mm, angle };
+    let mut along_mm = ALONG * raster.stepover_mm;
     let facets = facet_estimate(&outlines, &raster, along_mm);
-    if !(facets <= MOST_FACETS) {
-        return Err(CuttingFault::Fine { apart_mm, facets, most: MOST_FACETS });
+    let follows_cusps = parallel >= PARALLEL && facets <= most_facets(swept.cutter());
+    if !follows_cusps {
+        // Squares, a row to each.
+        along_mm = raster.stepover_mm / ROWS as f64;
+        let facets = facet_estimate(&outlines, &raster, along_mm);
+        let wider = f64::sqrt(facets / MOST_PLAIN_FACETS).max(1.0);
+        along_mm *= wider;
+        raster.stepover_mm *= wider;
     }
+    let pitch_mm = raster.stepover_mm / ROWS as f64;
     // Cusps are half-way between lines. With rows beside them errors are off by up to 2.3 % of themselves, else by 1.
     let row_mm = coverage.line_mm + 0.5 * coverage.apart_mm;
     let lattice = FaceLattice { raster, along_mm, row_mm };
@@ -186,16 +198,22 @@ fn cut_by_lines(
     let cusps = CuspSearch { swept, ways, apart_mm, pitch_mm };
     let snapping = |_| {
         let cusps = &cusps;
-        move |x, y| if is_parallel { cusps.near(x, y).unwrap_or(y) } else { y }
+        move |x, y| if follows_cusps { cusps.near(x, y).unwrap_or(y) } else { y }
     };
-    face_of_cut(&outlines, lattice, &height, snapping).map_err(|error| match error {
+    let face = face_of_cut(&outlines, lattice, &height, snapping).map_err(|error| match error {
         MachiningError::Uncut { at } => CuttingFault::Uncut { at_mm: at.to_array() },
         // (Nothing else is asked of a lattice.)
         other => CuttingFault::Face { why: other.to_string() },
-    })
+    })?;
+    Ok((face, follows_cusps))
 }
 
-/// Lines along which a ball touches a mirror.
+/// The most facets that follow the cusps of a cutter: none those of one with a flat end, whose bends are anywhere.
+fn most_facets(cutter: Cutter) -> f64 {
+    if cutter.ball_mm().is_some() { MOST_FACETS } else { 0.0 }
+}
+
+/// Lines along which a cutter touches a mirror.
 struct ContactLines {
     /// As moves of the place of contact.
     moves: Vec<ToolMove>,
@@ -204,12 +222,16 @@ struct ContactLines {
 }
 
 /// The lines along which a ball that cuts the mirror touches it on its cutting moves: its centre is on the surface that is
-/// parallel to the mirror.
-fn contact_lines(mirror: &Mirror, moves: &[ToolMove], ball_mm: f64) -> ContactLines {
+/// parallel to the mirror. Of another cutter the lines are those of its tip.
+fn contact_lines(mirror: &Mirror, moves: &[ToolMove], cutter: Cutter) -> ContactLines {
     let cutting: Vec<&ToolMove> = moves.iter().filter(|step| step.feed.is_some()).collect();
     let every = cutting.len().div_ceil(MOST_LINES).max(1);
-    let centres = ParallelSurface { mirror, offset_mm: ball_mm };
-    let contact = |tip: DVec3| Some(centres.place_over(tip.truncate())?.at);
+    let contact = |tip: DVec3| match cutter.ball_mm() {
+        Some(offset_mm) => {
+            Some(ParallelSurface { mirror, offset_mm }.place_over(tip.truncate())?.at)
+        }
+        None => Some(mirror.local_surface_over(tip.truncate(), tip.z)?.at),
+    };
     let chosen: Vec<&ToolMove> = cutting.into_iter().step_by(every).collect();
     // Moves off the mirror and what goes on beyond its rim touch nothing.
     let moves = parallel::map_slice(&chosen, 1 << 8, |step| {

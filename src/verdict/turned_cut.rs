@@ -1,18 +1,19 @@
 //! The face that a program of a lathe leaves of a mirror.
 
-use super::polar_face::{PolarFace, PolarFault, PolarLimits};
+use super::cut_slopes::{CutSlopes, SlopeSource};
+use super::polar_face::{PolarFace, PolarLimits, UncutPlace};
 use super::program_cut::ProgramCut;
 use super::turned_shape::TurnedShape;
 use crate::design::Design;
-use crate::geom::{DVec2, TriMesh};
+use crate::geom::{DVec2, DVec3};
 use crate::parallel;
-use crate::program::{ToolMove, TurnedSurface, TurningPath, nose_below};
-use crate::results::{CutDeparture, CuttingFault, ProgramFacts};
+use crate::program::{ToolMove, TurnedSlopes, TurnedSurface, TurningPath, nose_below};
+use crate::results::{CutDeparture, CuttingFault, ProgramFacts, SlopeOrigin};
 use crate::turning::DiscSections;
 use std::f64::consts::TAU;
 
-/// The most facets of a face that is read: estimates of those that programs are written for are of first order.
-const MOST_READ: f64 = 6e6;
+/// The most facets of a face whose cusps they follow.
+const MOST_FACETS: f64 = 6e6;
 /// What a rapid move may be below the mirror, mm: the rounding of programs.
 const TOUCH_MM: f64 = 2e-3;
 /// Places along a rapid move of which C is known at which it is held against a disc.
@@ -21,7 +22,7 @@ const ALONG: usize = 64;
 /// The face that `path` leaves of the mirror of `design`, which a lathe goes around as `shape` tells, with a nose.
 ///
 /// # Errors
-/// [`CuttingFault`] where no move comes over a place of the mirror, or turns are too near each other to be followed.
+/// [`CuttingFault`] where no move comes over a place of the mirror.
 pub(crate) fn turned_cut(
     design: &Design,
     shape: &TurnedShape,
@@ -36,19 +37,29 @@ pub(crate) fn turned_cut(
         rim: &|azimuth| shape.rim_mm(azimuth),
         corners: shape.disc.map_or(&[], DiscSections::corners),
         azimuths: shape.azimuths(nose_mm, feed_mm),
-        most: MOST_READ,
+        most: MOST_FACETS,
     };
-    let PolarFace { mesh, steps, apart_mm } =
-        PolarFace::new(&surface, limits).map_err(|fault| match fault {
-            PolarFault::Uncut(at_mm) => CuttingFault::Uncut { at_mm },
-            PolarFault::Fine(apart_mm, facets) => {
-                CuttingFault::Fine { apart_mm, facets, most: MOST_READ }
-            }
-        })?;
-    let [highest, lowest] = extremes(design, &mesh, |k| path.tool.moves[steps[k]].line);
+    let PolarFace { mesh, steps, apart_mm, follows_cusps, peaks } =
+        PolarFace::new(&surface, limits)
+            .map_err(|UncutPlace(at_mm)| CuttingFault::Uncut { at_mm })?;
+    let vertex = |k: usize| match k.checked_sub(steps.len()) {
+        None => (mesh.vertices[k], steps[k]),
+        Some(peak) => peaks[peak],
+    };
+    let count = steps.len() + peaks.len();
+    let [highest, lowest] = extremes(design, count, |k| {
+        let (at, step) = vertex(k);
+        (at, path.tool.moves[step].line)
+    });
+    let slopes = (!follows_cusps).then(|| {
+        let source = SlopeSource::Turned(TurnedSlopes::new(surface));
+        CutSlopes::new(source, mesh.triangles.len())
+    });
     let [cutting_mm, rapid_mm] = path.tool.lengths_mm();
     let facts = ProgramFacts {
         ball_mm: None,
+        radius_mm: None,
+        corner_mm: None,
         nose_mm: Some(nose_mm),
         lines: path.tool.lines,
         moves: path.tool.moves.len(),
@@ -59,26 +70,27 @@ pub(crate) fn turned_cut(
         angle_deg: None,
         parallel: None,
         optical_triangles: mesh.triangles.len(),
+        slopes: SlopeOrigin::of(slopes.is_some()),
         highest,
         lowest,
     };
     let below = path.tool.lowest().filter(|step| step.to.z < 0.0);
     let below = below.map(|step| CuttingFault::BelowBase { line: step.line, z_mm: step.to.z });
     let faults = rapid(shape, path, nose_mm).into_iter().chain(below).collect();
-    Ok(ProgramCut { mesh, facts, faults, warning: None })
+    Ok(ProgramCut { mesh, facts, faults, slopes })
 }
 
-/// The most and the least that a face leaves on the mirror, with the line that cuts each of its vertices.
+/// The most and the least that a face leaves on the mirror, of so many places, each with the line that cuts it.
 fn extremes(
     design: &Design,
-    mesh: &TriMesh,
-    line: impl Fn(usize) -> u32 + Sync,
+    count: usize,
+    place: impl Fn(usize) -> (DVec3, u32) + Sync,
 ) -> [CutDeparture; 2] {
-    let departures = parallel::map(mesh.vertices.len(), 1 << 12, |k| {
-        let v = mesh.vertices[k];
+    let departures = parallel::map(count, 1 << 12, |k| {
+        let (v, line) = place(k);
         let place = design.mirror.local_surface_over(v.truncate(), v.z)?;
         let off_um = 1e3 * (v.z - place.at.z) * place.normal().z;
-        Some(CutDeparture { off_um, at_mm: v.to_array(), line: line(k) })
+        Some(CutDeparture { off_um, at_mm: v.to_array(), line })
     });
     let departures: Vec<CutDeparture> = departures.into_iter().flatten().collect();
     [1.0, -1.0].map(|sign| {

@@ -6,11 +6,6 @@ use crate::num::{cos, sin};
 use crate::turning::{DiscSections, Meridian};
 use std::f64::consts::TAU;
 
-/// The most facets of a face that programs are written for.
-const MOST_FACETS: f64 = 4e6;
-/// A share by which feeds are kept above the least that facets can follow.
-const ROOM: f64 = 1.05;
-
 /// A mirror as a lathe goes around it.
 pub(crate) struct TurnedShape<'a> {
     /// The disc, whose sections differ; none of a round mirror.
@@ -19,8 +14,6 @@ pub(crate) struct TurnedShape<'a> {
     pub meridian: Vec<DVec2>,
     /// Distance of the inner rim from the axis, 0 of a disc, and the farthest of the outer one, mm.
     pub radii_mm: [f64; 2],
-    /// Length of the longest section, mm.
-    length_mm: f64,
     /// Largest bend around the axis: of a round mirror its slope.
     pub bend: f64,
     /// Largest change of a section's slope with the azimuth.
@@ -34,7 +27,6 @@ impl TurnedShape<'_> {
             disc: None,
             meridian: meridian.places().map(|place| place.at).collect(),
             radii_mm: meridian.ends().map(|q| meridian.at(q).at.x),
-            length_mm: meridian.length_mm(),
             bend: meridian.steepest(),
             twist: 0.0,
         }
@@ -49,8 +41,6 @@ impl<'a> TurnedShape<'a> {
             disc: Some(disc),
             meridian: Vec::new(),
             radii_mm: [0.0, outer],
-            // No section is longer than one that is as steep all the way.
-            length_mm: outer * disc.most(|place| place.section.stretch()),
             bend: disc.most(|place| place.bend.abs()),
             twist: disc.most(|place| place.twist.abs()),
         }
@@ -63,23 +53,6 @@ impl<'a> TurnedShape<'a> {
         // one azimuth to the next.
         let slips = TAU * nose_mm * self.twist * ROWS as f64 / feed_mm;
         polar_face::whole(even.max(slips))
-    }
-
-    /// The least feed in a turn, mm, whose cut facets can follow, of a nose.
-    pub(crate) fn narrowest_feed_mm(&self, nose_mm: f64) -> f64 {
-        let [mut low, mut high] = [0.0, nose_mm];
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            let fits = self.facets(nose_mm, middle)[0] <= MOST_FACETS;
-            if fits { high = middle } else { low = middle }
-        }
-        ROOM * high
-    }
-
-    /// About how many facets it takes to follow turns so far apart, and the most.
-    pub(crate) fn facets(&self, nose_mm: f64, feed_mm: f64) -> [f64; 2] {
-        let azimuths = self.azimuths(nose_mm, feed_mm);
-        [polar_face::facet_estimate(self.length_mm / feed_mm, azimuths), MOST_FACETS]
     }
 
     /// Distance of the rim from the axis at an azimuth, radians, mm; none of a round mirror, and where there is none.

@@ -2,13 +2,13 @@
 //! the cusps.
 
 use super::cusp_search::CuspSearch;
-use super::polar_face::{PolarFace, PolarFault, PolarLimits, azimuths, facet_estimate, whole};
+use super::polar_face::{PolarFace, PolarLimits, UncutPlace, azimuths, facet_estimate, whole};
 use super::polar_section::PolarSection;
 use crate::geom::{DVec2, TriMesh};
 use crate::machining::{ROWS, rim_distances};
 use crate::mirror::{Mirror, SurfaceSamples};
 use crate::num::{cos, sin};
-use crate::program::{SweptBall, TurnCoverage};
+use crate::program::{SweptCutter, TurnCoverage};
 use crate::results::CuttingFault;
 use std::f64::consts::TAU;
 
@@ -62,39 +62,32 @@ impl RoundFace {
         high
     }
 
-    /// What `swept` leaves, if its moves are turns: facets no more than `most`.
+    /// What `swept` leaves, if its moves are turns, and whether facets, no more than `most` then, follow its cusps.
     ///
     /// # Errors
-    /// [`CuttingFault`] where no move comes over a place of the mirror, or turns are too near each other to be followed.
+    /// [`CuttingFault`] where no move comes over a place of the mirror.
     pub(super) fn cut(
         &self,
-        swept: &SweptBall,
+        swept: &SweptCutter,
         turns: &TurnCoverage,
         most: f64,
-    ) -> Option<Result<TriMesh, CuttingFault>> {
+    ) -> Option<Result<(TriMesh, bool), CuttingFault>> {
         if turns.around < AROUND {
             return None;
         }
         let (radii_mm, apart_mm) = (self.radii_mm, turns.apart_mm);
-        let [azimuths, facets] = self.size(swept.radius_mm(), apart_mm);
-        if !(facets <= most) {
-            return Some(Err(CuttingFault::Fine { apart_mm, facets, most }));
-        }
+        let [azimuths, _] = self.size(swept.cutter().radius_mm, apart_mm);
         let section = |share: f64| SweptSection::new(swept, share, (radii_mm, apart_mm));
-        let face = PolarFace::of_sections(
-            &section,
-            PolarLimits { radii_mm, rim: &|_| None, corners: &[], azimuths, most },
-        );
-        Some(face.map(|face| face.mesh).map_err(|fault| match fault {
-            PolarFault::Uncut(at_mm) => CuttingFault::Uncut { at_mm },
-            PolarFault::Fine(apart_mm, facets) => CuttingFault::Fine { apart_mm, facets, most },
-        }))
+        let limits = PolarLimits { radii_mm, rim: &|_| None, corners: &[], azimuths, most };
+        let face = PolarFace::of_sections(&section, limits)
+            .map_err(|UncutPlace(at_mm)| CuttingFault::Uncut { at_mm });
+        Some(face.map(|face| (face.mesh, face.follows_cusps)))
     }
 }
 
 /// What a ball leaves along one radius.
 struct SweptSection<'a> {
-    swept: &'a SweptBall,
+    swept: &'a SweptCutter,
     /// Direction of the radius.
     out: DVec2,
     /// Distances of the cusps from the axis, rising, mm.
@@ -103,7 +96,11 @@ struct SweptSection<'a> {
 
 impl<'a> SweptSection<'a> {
     /// At an azimuth that is a share of a turn, between two radii, of turns so far apart, mm.
-    fn new(swept: &'a SweptBall, share: f64, ([inner, outer], apart_mm): ([f64; 2], f64)) -> Self {
+    fn new(
+        swept: &'a SweptCutter,
+        share: f64,
+        ([inner, outer], apart_mm): ([f64; 2], f64),
+    ) -> Self {
         let angle = TAU * share;
         let out = DVec2::new(cos(angle), sin(angle));
         let rows = ((outer - inner) * ROWS as f64 / apart_mm).ceil().max(1.0);
@@ -129,7 +126,7 @@ impl PolarSection for SweptSection<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::DVec3;
+    use crate::geom::{Cutter, DVec3};
     use crate::mirror::{Hessian, LocalSurface};
     use crate::program::ToolMove;
 
@@ -176,12 +173,12 @@ mod tests {
     fn face(shape: Shape, apart_mm: f64, inner: f64) -> TriMesh {
         let [moves, contacts] = spiral(shape, apart_mm);
         let corners = [DVec2::splat(-10.0), DVec2::splat(10.0)];
-        let swept = SweptBall::new(&moves, BALL_MM, corners);
+        let swept = SweptCutter::new(&moves, Cutter::ball(BALL_MM), corners);
         let turns = TurnCoverage::new(&contacts, 1, [inner, 10.0]).unwrap();
         assert!((turns.apart_mm / apart_mm - 1.0).abs() < 0.01, "{turns:?}");
         let steepest = shape(10.0)[1].abs();
         let round = RoundFace { radii_mm: [inner, 10.0], steepest };
-        round.cut(&swept, &turns, 6e6).unwrap().unwrap_or_else(|fault| panic!("{fault}"))
+        round.cut(&swept, &turns, 6e6).unwrap().unwrap_or_else(|fault| panic!("{fault}")).0
     }
 
     /// Error of the slope, RMS over the plan, of facets and of the closed form T77 with the curvatures across and along a circle; and the

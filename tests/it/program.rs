@@ -7,7 +7,9 @@ use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::pipeline::{Command, MachiningOptions, Silent, Verify, VerifyOptions};
 use morion::internals::profile::Profile;
-use morion::internals::results::{CuttingFault, FileFault, ReasonKind, Verdict, VerifyReport};
+use morion::internals::results::{
+    CuttingFault, FileFault, ReasonKind, SlopeOrigin, Verdict, VerifyReport,
+};
 use std::fmt::Write;
 
 /// Tip of a ball that touches the mirror over a place of the plan, mm; none beyond the mirror.
@@ -117,6 +119,33 @@ fn lines_over_a_tightly_curved_mirror_are_read_as_parallel() {
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
 }
 
+/// Lines in two directions, of which one is in the air: facets cannot follow them, and the slopes that the moves leave have the errors
+/// of facets that follow the cusps of the others alone.
+#[test]
+fn lines_in_several_directions_have_the_slopes_of_their_moves() {
+    let (profile, design, program) = small();
+    let alone = verified(&profile, &program, 1.5);
+    let half = 0.5 * design.plan_bounds().size();
+    let high = design.mounting.size_mm[2] + 2.0;
+    let mut crossed = program.replace("M30\n", "");
+    for k in -40..=40 {
+        let x = 0.9 * half.x * f64::from(k) / 40.0;
+        let y = |n: i32| 0.9 * half.y * f64::from(if k % 2 == 0 { n } else { -n }) / 10.0;
+        writeln!(crossed, "G0 X{x:.4} Y{:.4}\nG1 Z{high:.4} F900", y(-10)).unwrap();
+        (-9..=10).for_each(|n| writeln!(crossed, "Y{:.4}", y(n)).unwrap());
+    }
+    let both = verified(&profile, &(crossed + "M30\n"), 1.5);
+    assert_eq!(both.verdict, Verdict::Pass, "{:?}", both.reasons);
+    assert!(both.warnings.is_empty(), "{:?}", both.warnings);
+    let [a, b] = [&alone, &both].map(|found| found.program.clone().unwrap());
+    assert_eq!([a.slopes, b.slopes], [SlopeOrigin::Facets, SlopeOrigin::Path]);
+    assert!(b.parallel.unwrap() < 0.98, "{b:?}");
+    let [followed, told] = [&alone, &both].map(|found| found.trace[0].errors);
+    let ratio = told.facet_error_px.unwrap().rms / followed.facet_error_px.unwrap().rms;
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+    assert!((a.highest.off_um - b.highest.off_um).abs() < 0.05 * a.highest.off_um, "{a:?} {b:?}");
+}
+
 fn cutting(report: &VerifyReport) -> Vec<&CuttingFault> {
     let kinds = report.reasons.iter().map(|reason| &reason.kind);
     kinds
@@ -201,4 +230,107 @@ fn the_command_takes_a_program_with_its_ball() {
     std::fs::write(folder.path().join("small.stl"), "solid").unwrap();
     let (code, _, said) = told(&morion(folder.path(), &args));
     assert!(code == 2 && said.contains("--ball-mm must be left out but for a program"), "{said}");
+}
+
+/// A cutter with a flat end that goes up a tilted plane leaves the plane along its lines: the edge that comes last touches it, or the circle of the corner. Between
+/// lines it leaves what the circle of its edge does, and of a corner more, as its flat part is smaller.
+#[test]
+fn cutters_with_a_flat_end_leave_the_envelope_of_their_edge() {
+    let tilt = 0.2;
+    let profile = parsed(&format!(
+        "camera.orthographic.pixels = [80, 60]\nmirror.polynomial.terms = [[1, 0, {tilt}]]\n\
+         part = {{ width_mm = 20, height_mm = 15, base_mm = 5 }}\nmesh.chord_um = 5\nexport.formats = [\"stl\"]\n"
+    ));
+    let design = designed(&profile);
+    let middle = design.mirror.position(DVec2::ZERO, &design.mirror.at(DVec2::ZERO)).z;
+    for (radius_mm, corner_mm) in [(2.0, 0.0), (2.0, 0.5), (1.5, 1.5)] {
+        let flat = radius_mm - corner_mm;
+        let rest = tilt * flat + corner_mm * (f64::sqrt(1.0 + tilt * tilt) - 1.0);
+        let mut program = String::from("G21 G90\nG0 Z40\n");
+        for k in -45..=45 {
+            let at = |n: i32| {
+                let x = 0.5 * f64::from(n);
+                format!("X{x:.4} Z{:.6}", middle + tilt * x + rest)
+            };
+            writeln!(program, "G0 X-14 Y{:.4}\nG1 {} F300", 0.2 * f64::from(k), at(-28)).unwrap();
+            (-27..=28).for_each(|n| writeln!(program, "{}", at(n)).unwrap());
+            writeln!(program, "G0 Z40").unwrap();
+        }
+        let folder = folder();
+        let path = folder.path().join("part.ngc");
+        std::fs::write(&path, program + "M2\n").unwrap();
+        let (cutter_mm, corner) = (Some(radius_mm), Some(corner_mm).filter(|mm| *mm > 0.0));
+        let options = VerifyOptions { cutter_mm, corner_mm: corner, ..VerifyOptions::default() };
+        let verify = Verify { path: &path, options };
+        let found = verify.in_memory(&profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0;
+        let facts = found.program.unwrap_or_else(|| panic!("{:?}", found.reasons));
+        let is_ball = corner_mm == radius_mm;
+        assert_eq!(
+            facts.radius_mm.zip(facts.corner_mm),
+            (!is_ball).then_some((radius_mm, corner_mm))
+        );
+        // A circle of this radius, half a line's distance beside its middle.
+        let beside = |radius: f64| 1e3 * (radius - f64::sqrt(radius * radius - 0.01));
+        let upright = tilt / f64::sqrt(1.0 + tilt * tilt);
+        let [least, most] = match is_ball {
+            true => [beside(radius_mm); 2],
+            false => [upright * beside(radius_mm), upright * beside(flat)],
+        };
+        let highest = facts.highest.off_um;
+        assert!(facts.lowest.off_um.abs() < 0.02, "{radius_mm} {corner_mm}: {:?}", facts.lowest);
+        assert!(
+            highest > 0.97 * least - 0.02 && highest < most + 0.02,
+            "{least} {most}: {facts:?}"
+        );
+    }
+}
+
+/// Radii of cutters that contradict each other, or the file, are refused by name.
+#[test]
+fn cutters_that_contradict_each_other_are_refused() {
+    let profile = parsed(SMALL);
+    let given = |name: &str, options: VerifyOptions| {
+        let folder = folder();
+        let path = folder.path().join(name);
+        std::fs::write(&path, "G0 X0 Y0 Z9\nG1 X5 F100\n").unwrap();
+        Verify { path: &path, options }.in_memory(&profile, &Silent).unwrap_err().to_string()
+    };
+    let options = VerifyOptions::default();
+    let (ball, cutter) = (Some(1.0), Some(2.0));
+    for (name, options, said) in [
+        (
+            "a.ngc",
+            VerifyOptions { corner_mm: ball, ..options },
+            "--corner-mm must be no more than --cutter-mm",
+        ),
+        (
+            "a.ngc",
+            VerifyOptions { cutter_mm: ball, corner_mm: cutter, ..options },
+            "--corner-mm must be no more than --cutter-mm",
+        ),
+        (
+            "a.ngc",
+            VerifyOptions { cutter_mm: cutter, ball_mm: ball, ..options },
+            "--ball-mm must be left out with --cutter-mm",
+        ),
+        (
+            "a.ngc",
+            VerifyOptions { cutter_mm: cutter, nose_mm: ball, ..options },
+            "--cutter-mm must be left out with --nose-mm",
+        ),
+        (
+            "a.xzc",
+            VerifyOptions { cutter_mm: cutter, ..options },
+            "--cutter-mm must be left out for a table of points",
+        ),
+        (
+            "a.stl",
+            VerifyOptions { cutter_mm: cutter, ..options },
+            "--cutter-mm must be left out but for a program",
+        ),
+        ("a.ngc", options, "or --cutter-mm of a flat or bull-nosed cutter"),
+    ] {
+        let found = given(name, options);
+        assert!(found.contains(said), "{name}: {found}");
+    }
 }

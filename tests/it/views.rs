@@ -310,6 +310,56 @@ fn the_mirror_makes_up_for_the_lens() {
     assert!((straight - through).length() > 5.0 * bent.camera.pixel_mm);
 }
 
+/// Under a camera beside the axis too, each pixel of a strip shows the azimuth of its column and the elevation of its row, in the part's frame, but for what
+/// no mirror can show: rays are met and reflected here by the mirror's places and normals alone. A small fold changes that little by little.
+#[test]
+fn a_strip_under_a_camera_beside_the_axis_shows_its_azimuths() {
+    let under = |mount: &str| {
+        strip(&format!(
+            "{mount}\ncamera.pinhole = {{ pixels = [640, 480], focal_px = 900, distance_mm = 120 }}"
+        ))
+    };
+    let plain = under("").facts.ray_error_mrad.unwrap().rms;
+    for (mount, most) in [
+        ("mount = { fold_deg = 2, towards_deg = 30 }", 1.1),
+        ("mount = { fold_deg = 30, towards_deg = 0 }", 4.0),
+        ("mount = { fold_deg = 24, towards_deg = 90, shift_mm = [4, -3] }", 4.0),
+    ] {
+        let design = under(mount);
+        let (camera, mirror) = (&design.camera, &design.mirror);
+        let (mut square, mut count) = (0.0, 0.0);
+        for k in 0..30 * 24 {
+            let [x, y] =
+                [f64::from(k % 30) / 30.0, f64::from(k / 30) / 24.0].map(|at| at + 1.0 / 60.0);
+            // 140 degrees across the 60 mm of the part, and 50 down at the same scale.
+            let size = DVec2::new(60.0, 60.0 * 50.0 / 140.0);
+            let image = (DVec2::new(x, y) - 0.5) * size;
+            let q = camera.picture.chart_point(image);
+            let surface = mirror.at(q);
+            let at = mirror.position(q, &surface);
+            let place = mirror.local_surface_over(at.truncate(), at.z).unwrap();
+            let ray = camera.ray(image, 200.0);
+            assert!((at - ray.origin).cross(ray.direction).length() < 1e-9);
+            let normal = place.normal();
+            let seen = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
+            let [azimuth, elevation] = [-70.0 + 140.0 * x, -25.0 + 50.0 * y].map(radians);
+            let wanted = DVec3::new(
+                cos(elevation) * sin(azimuth),
+                cos(elevation) * cos(azimuth),
+                sin(elevation),
+            );
+            let off = seen.cross(wanted).length();
+            assert!(seen.dot(wanted) > 0.9, "{mount}: {seen} for {wanted}");
+            (square, count) = (square + off * off, count + 1.0);
+        }
+        let rms = 1e3 * f64::sqrt(square / count);
+        // What is told is over all of the mirror that the frame shows, which is more than the strip.
+        let told = design.facts.ray_error_mrad.unwrap().rms;
+        assert!((0.7..1.1).contains(&(rms / told)), "{mount}: {rms} mrad, told {told}");
+        assert!(told < most * plain.max(1.0), "{mount}: {told} mrad, {plain} on the axis");
+    }
+}
+
 /// The file is the map of the smooth mirror's errors. A mirror that is to show nothing has none, and that of an older
 /// profile in its folder goes.
 #[test]

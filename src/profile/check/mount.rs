@@ -46,16 +46,17 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section, parts: &Entries) 
     mount
 }
 
-/// Strips, discs and folded panels lie about the camera's axis.
+/// Discs and folded panels lie about the camera's axis.
 fn suits(reader: &mut ProfileReader, parts: &Entries, section: &Section, mount: &Mount) {
     let Some(layout) = &parts.layout else { return };
-    if mount.is_on_axis() || layout.name == LayoutName::Rectangle {
+    let goes_along = matches!(layout.name, LayoutName::Rectangle | LayoutName::Strip);
+    if mount.is_on_axis() || goes_along {
         return;
     }
     let message = format!(
-        "layout must be [layout.rectangle] with [{}] off the axis, found [layout.{}]",
+        "layout must be [layout.rectangle] or [layout.strip] with [{}] off the axis, found [layout.{}]",
         section.path, layout.name
     );
-    let hint = "strips, discs and folded panels lie about the camera's axis; views on a rectangle need not";
+    let hint = "discs and folded panels lie about the camera's axis; views and strips need not";
     reader.complain(section.at, message, hint);
 }

@@ -30,6 +30,9 @@ const SERVO: &str = "program = { machine = \"sts\", nose_mm = 1, feed_mm_rev = 0
 /// A program that faces a bar to a plane.
 const FACING: &str = "G8 G95 G97 S500 M3\nG0 X14 Z9\nG1 X-1 F0.2\nG4 P1\nG0 Z20\nM2\n";
 
+/// A program that mills to a plane below a mirror.
+const FLAT: &str = "G0 Z20\nG0 X-7 Y-3\nG1 Z1 F100\nX7\nY3\nX-7\nG0 Z20\nM2\n";
+
 /// A mirror that is given, without a projection.
 const GIVEN: &str = "\
 camera.orthographic.pixels = [160, 120]
@@ -265,6 +268,8 @@ fn the_page_of_reports_has_every_key() {
     reports.push(runs.printed("verify plane.nc --profile all.toml --ball-mm 4"));
     std::fs::write(runs.path("facing.nc"), FACING).unwrap();
     reports.push(runs.printed("verify facing.nc --profile round.toml --nose-mm 1"));
+    std::fs::write(runs.path("flat.ngc"), FLAT).unwrap();
+    reports.push(runs.printed("verify flat.ngc --profile given.toml --cutter-mm 12 --corner-mm 1"));
     let headings = ["## `report.json` of a build", "## `report.json` of a verified file"];
     hold(REPORT, &headings, &reports);
     hold(REPORT, &["## `timings.json`"], &[runs.file("out/all/timings.json")]);

@@ -10,7 +10,16 @@ use std::collections::BTreeSet;
 const NEVER: [(&str, &[&str]); 5] = [
     ("build", &["solid.open."]),
     ("machining", &["as_cut.trace.interpolated_normals.", "as_cut.trace.solid.open."]),
-    ("program", &["as_cut.trace.interpolated_normals.", "as_cut.trace.solid.open."]),
+    (
+        "program",
+        &[
+            "as_cut.trace.interpolated_normals.",
+            "as_cut.trace.solid.open.",
+            // A ball finishes.
+            "program.radius_mm",
+            "program.corner_mm",
+        ],
+    ),
     ("tolerance", &["machining.as_cut.", "machining.files[]."]),
     ("replay", &["files[].solid.open."]),
 ];

@@ -1,4 +1,4 @@
-//! What a ball cutter leaves along straight moves: over each place of the plan the lowest of all its balls.
+//! What a cutter leaves along straight moves: over each place of the plan the lowest of all its places.
 //!
 //! The balls of a move from A to B have their centres between A and B. Over (X, Y) that is s along the move in the plan and q
 //! beside it, the ball whose centre is u short of s has its lower side at
@@ -10,22 +10,29 @@
 //! its middle; one of radius `R - d` is nowhere lower. So a move is left out of a square where its larger ball is above the
 //! smaller ball of another. Slopes of two balls whose centres are c apart in the plan differ by no more than `R^2 c / (R^2 - e^2)^1.5` within
 //! `e` of both centres, so a move is left out too where it is higher over the middle than the lowest ball by `d` times that.
+//!
+//! Of a cutter with a flat end the larger one has a flat part wider by `d`, and the smaller one a flat part narrower by `d` or, where it is narrower
+//! than that, the ball that is left of it, as far up.
 
 use super::ToolMove;
-use crate::geom::{DVec2, DVec3, Rect};
+use super::cutter_move::{CutterMove, CutterPlace, lower_side};
+use crate::geom::{Cutter, DVec2, DVec3, Rect};
 use crate::parallel;
 
 /// A square with so few moves is not divided, and the most divisions: to some hundredths of a millimetre.
 const FEW: usize = 12;
 const DEEPEST: usize = 11;
+/// More than heights of a cutter with a flat end are off, mm.
+const ROUNDING_MM: f64 = 1e-9;
 /// Squares are divided by several threads down to this depth.
 const SHARED: usize = 3;
 
-/// The surface below a ball cutter's moves.
+/// The surface below a cutter's moves.
 #[derive(Debug)]
-pub struct SweptBall {
-    radius_mm: f64,
-    centres: Vec<[DVec3; 2]>,
+pub struct SweptCutter {
+    cutter: Cutter,
+    /// Ends of the moves, of the middle of the cutter's ball or of its tip where it is none.
+    ends: Vec<[DVec3; 2]>,
     bounds: Rect,
     root: Square,
 }
@@ -38,26 +45,25 @@ enum Square {
     Divided(Box<[Square; 4]>),
 }
 
-/// The lowest place of all balls over a place of the plan.
+/// The lowest place of all cutters over a place of the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweptPlace {
     /// Its Z, mm.
     pub z_mm: f64,
     /// Its slope (Z_X, Z_Y).
     pub slope: DVec2,
-    /// Number of the move whose ball it is, the first of several.
+    /// Number of the move whose cutter it is, the first of several.
     pub step: usize,
 }
 
-impl SweptBall {
-    /// The surface that a ball of radius `radius_mm` leaves along `moves` of its lowest point, within the rectangle between two
-    /// corners.
+impl SweptCutter {
+    /// The surface that a cutter leaves along `moves` of its tip, within the rectangle between two corners.
     #[must_use]
-    pub fn new(moves: &[ToolMove], radius_mm: f64, [min, max]: [DVec2; 2]) -> Self {
-        let up = DVec3::Z * radius_mm;
-        let centres: Vec<_> = moves.iter().map(|step| [step.from + up, step.to + up]).collect();
+    pub fn new(moves: &[ToolMove], cutter: Cutter, [min, max]: [DVec2; 2]) -> Self {
+        let up = DVec3::Z * cutter.ball_mm().unwrap_or(0.0);
+        let ends: Vec<_> = moves.iter().map(|step| [step.from + up, step.to + up]).collect();
         let bounds = Rect { min, max };
-        let mut swept = Self { radius_mm, centres, bounds, root: Square::Leaf(Vec::new()) };
+        let mut swept = Self { cutter, ends, bounds, root: Square::Leaf(Vec::new()) };
         swept.root = swept.square(bounds, (0..moves.len() as u32).collect(), 0);
         swept
     }
@@ -65,12 +71,11 @@ impl SweptBall {
     /// The moves that may be the lowest in `rect`.
     fn square(&self, rect: Rect, mut steps: Vec<u32>, depth: usize) -> Square {
         let (middle, reach) = (rect.centre(), 0.5 * rect.size().length());
-        let below = |radius: f64, k: u32| lower_side(&self.centres[k as usize], middle, radius);
-        let inner = self.radius_mm - reach;
-        let surely = steps.iter().filter_map(|&k| if inner > 0.0 { below(inner, k) } else { None });
-        let most = surely.map(|(z, _)| z).fold(f64::INFINITY, f64::min);
-        let outer = self.radius_mm + reach;
-        steps.retain(|&k| below(outer, k).is_some_and(|(z, _)| z <= most));
+        let surely = steps.iter().filter_map(|&k| self.lowest_within(k, middle, -reach));
+        // The flat end of a move over all of the square is as low for both, but for what halving leaves.
+        let rounding = if self.cutter.ball_mm().is_some() { 0.0 } else { ROUNDING_MM };
+        let most = surely.fold(f64::INFINITY, f64::min) + rounding;
+        steps.retain(|&k| self.lowest_within(k, middle, reach).is_some_and(|z| z <= most));
         self.leave_higher(middle, reach, &mut steps);
         if steps.len() <= FEW || depth == DEEPEST {
             steps.shrink_to_fit();
@@ -87,16 +92,34 @@ impl SweptBall {
         }
     }
 
+    /// Z over `middle` of a cutter larger by `wider` mm, which one move is nowhere lower than within as much of it; where that is negative,
+    /// of a smaller one, which it is nowhere higher than. None where such a cutter does not come over it.
+    fn lowest_within(&self, step: u32, middle: DVec2, wider: f64) -> Option<f64> {
+        let ends = self.ends[step as usize];
+        let radius_mm = self.cutter.radius_mm + wider;
+        if !(radius_mm > 0.0) {
+            return None;
+        }
+        if self.cutter.ball_mm().is_some() {
+            return lower_side(&ends, middle, radius_mm).map(|(z, _)| z);
+        }
+        let corner_mm = self.cutter.corner_mm.min(radius_mm);
+        let raised = self.cutter.corner_mm - corner_mm;
+        let moved = CutterMove::between(ends, Cutter { radius_mm, corner_mm });
+        Some(moved.lowest(middle)? + raised)
+    }
+
     /// Leaves out moves that are higher than the lowest ball over `middle` all over a square of which no place is farther from
     /// it than `reach`.
     fn leave_higher(&self, middle: DVec2, reach: f64, steps: &mut Vec<u32>) {
-        let radius = self.radius_mm;
-        let over = |k: u32| lower_side(&self.centres[k as usize], middle, radius);
+        // Slopes of a flat end change at once.
+        let Some(radius) = self.cutter.ball_mm() else { return };
+        let over = |k: u32| lower_side(&self.ends[k as usize], middle, radius);
         let lowest = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 < a.0 { b } else { a };
         let Some((z, slope)) = steps.iter().filter_map(|&k| over(k)).reduce(lowest) else { return };
         let centre = middle - slope * (radius / f64::sqrt(1.0 + slope.length_squared()));
         steps.retain(|&k| {
-            let ends = self.centres[k as usize].map(|end| end.truncate());
+            let ends = self.ends[k as usize].map(|end| end.truncate());
             let largest =
                 |from: DVec2| ends.map(|end| end.distance(from)).into_iter().fold(0.0, f64::max);
             let far = largest(middle).max(centre.distance(middle)) + reach;
@@ -110,13 +133,13 @@ impl SweptBall {
         });
     }
 
-    /// Radius of the ball, mm.
+    /// The cutter.
     #[must_use]
-    pub fn radius_mm(&self) -> f64 {
-        self.radius_mm
+    pub fn cutter(&self) -> Cutter {
+        self.cutter
     }
 
-    /// The lowest place of all balls over a place within the corners; none where no ball comes.
+    /// The lowest place of all cutters over a place within the corners; none where no cutter comes.
     #[must_use]
     pub fn lowest(&self, at: DVec2) -> Option<SweptPlace> {
         let (mut square, mut rect) = (&self.root, self.bounds);
@@ -128,10 +151,7 @@ impl SweptBall {
         let Square::Leaf(steps) = square else { return None };
         let mut lowest: Option<SweptPlace> = None;
         for &k in steps {
-            let Some((z_mm, slope)) = lower_side(&self.centres[k as usize], at, self.radius_mm)
-            else {
-                continue;
-            };
+            let Some((z_mm, slope)) = self.of_step(k as usize, at) else { continue };
             if lowest.is_none_or(|lowest| z_mm < lowest.z_mm) {
                 lowest = Some(SweptPlace { z_mm, slope, step: k as usize });
             }
@@ -139,10 +159,18 @@ impl SweptBall {
         lowest
     }
 
-    /// Z and slope of the lower side of the balls of one move over a place of the plan.
+    /// Z and slope of the lower side of the cutters of one move over a place of the plan.
     #[must_use]
     pub fn of_step(&self, step: usize, at: DVec2) -> Option<(f64, DVec2)> {
-        lower_side(&self.centres[step], at, self.radius_mm)
+        let ends = self.ends[step];
+        match self.cutter.ball_mm() {
+            Some(ball_mm) => lower_side(&ends, at, ball_mm),
+            None => {
+                let CutterPlace { z_mm, slope } =
+                    CutterMove::between(ends, self.cutter).place(at)?;
+                Some((z_mm, slope))
+            }
+        }
     }
 }
 
@@ -162,80 +190,10 @@ fn quarter(Rect { min, max }: Rect, k: usize) -> Rect {
     Rect { min: low, max: high }
 }
 
-/// Z of the lowest ball of this radius with its centre between two places, over a place of the plan, and its slope there.
-pub(super) fn lower_side(&[from, to]: &[DVec3; 2], at: DVec2, radius: f64) -> Option<(f64, DVec2)> {
-    let way = (to - from).truncate();
-    let length = way.length();
-    let on = at - from.truncate();
-    let centre = if length > 0.0 {
-        let way = way / length;
-        let (along, beside) = (on.dot(way), on.perp_dot(way));
-        let left = radius * radius - beside * beside;
-        if !(left > 0.0) {
-            return None;
-        }
-        let slope = (to.z - from.z) / length;
-        let short = slope * f64::sqrt(left / (1.0 + slope * slope));
-        let reach = (along - short).clamp(0.0, length);
-        let share = reach / length;
-        DVec3::new(
-            from.x + share * (to.x - from.x),
-            from.y + share * (to.y - from.y),
-            from.z + share * (to.z - from.z),
-        )
-    } else if from.z <= to.z {
-        from
-    } else {
-        to
-    };
-    let off = at - centre.truncate();
-    let depth = radius * radius - off.length_squared();
-    if !(depth > 0.0) {
-        return None;
-    }
-    let depth = f64::sqrt(depth);
-    Some((centre.z - depth, off / depth))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::num::random::RandomStream;
-
-    fn tool_move(from: DVec3, to: DVec3) -> ToolMove {
-        ToolMove { from, to, feed: Some(1.0), line: 1 }
-    }
-
-    /// The least over a thousand balls of a move is no lower than the closed form, and near it.
-    #[test]
-    fn the_lower_side_of_a_move_is_that_of_its_balls() {
-        let from = DVec3::new(0.5, -0.3, 2.0);
-        for to in [
-            DVec3::new(2.5, 1.0, 2.0),
-            DVec3::new(1.5, 0.2, 5.0),
-            DVec3::new(-1.0, -0.5, -1.0),
-            DVec3::new(0.5, -0.3, 0.5),
-        ] {
-            for k in 0..200 {
-                let at = DVec2::new(f64::from(k % 20) * 0.3 - 2.5, f64::from(k / 20) * 0.4 - 2.0);
-                let balls = (0..=1000).filter_map(|k| {
-                    let centre = from.lerp(to, f64::from(k) / 1000.0);
-                    let square = 4.0 - (at - centre.truncate()).length_squared();
-                    (square > 0.0).then(|| centre.z - square.sqrt())
-                });
-                let least = balls.reduce(f64::min);
-                match (lower_side(&[from, to], at, 2.0), least) {
-                    (None, None) => {}
-                    (Some((z, _)), Some(least)) => {
-                        assert!(z <= least + 1e-12 && z > least - 2e-2, "{to} {at}: {z} {least}");
-                    }
-                    // (A rim that lies between two of the balls.)
-                    (Some((z, _)), None) => assert!(z > from.z.min(to.z) - 0.2),
-                    (None, Some(_)) => panic!("{to} {at}"),
-                }
-            }
-        }
-    }
 
     /// The tree finds what a search among all moves finds, and slopes are those of differences.
     #[test]
@@ -252,18 +210,30 @@ mod tests {
         for k in 0..400 {
             let to = place();
             let to = if k % 3 == 0 { to } else { from.lerp(to, 0.1) };
-            moves.push(tool_move(from, to));
+            moves.push(ToolMove { from, to, feed: Some(1.0), line: 1 });
             from = to;
         }
-        let swept = SweptBall::new(&moves, 0.8, [DVec2::ZERO, DVec2::new(10.0, 8.0)]);
+        let corners = [DVec2::ZERO, DVec2::new(10.0, 8.0)];
+        for corner_mm in [0.8, 0.3, 0.0] {
+            let cutter = Cutter { radius_mm: 0.8, corner_mm };
+            held_against_all(&SweptCutter::new(&moves, cutter, corners), moves.len());
+        }
+    }
+
+    fn held_against_all(swept: &SweptCutter, moves: usize) {
         for k in 0..5000 {
             let at = DVec2::new(f64::from(k % 100) * 0.0999, f64::from(k / 100) * 0.159);
             let of = |k: usize| swept.of_step(k, at).map(|(z, _)| z);
-            let least = (0..moves.len()).filter_map(of).reduce(f64::min);
+            let least = (0..moves).filter_map(of).reduce(f64::min);
             let found = swept.lowest(at);
-            assert_eq!(found.map(|found| found.z_mm), least, "{at}");
+            // (The places of cutters with a flat end are found by halving.)
+            let rounding = if swept.cutter().ball_mm().is_some() { 0.0 } else { 1e-12 };
+            let off = found.zip(least).map_or(0.0, |(found, least)| (found.z_mm - least).abs());
+            let is_it = found.is_some() == least.is_some() && off <= rounding;
+            assert!(is_it, "{at}: {found:?} {least:?}");
             let Some(found) = found else { continue };
-            let step = 1e-6;
+            // (Corners are more tightly curved.)
+            let (step, most) = (1e-6, if rounding == 0.0 { 1e-5 } else { 1e-4 });
             let beside = |way: DVec2| swept.of_step(found.step, at + way * step).map(|(z, _)| z);
             let ahead = [DVec2::X, DVec2::Y].map(beside);
             let back = [DVec2::NEG_X, DVec2::NEG_Y].map(beside);
@@ -271,7 +241,7 @@ mod tests {
                 let (Some(ahead), Some(back)) = (ahead[axis], back[axis]) else { continue };
                 let slope = (ahead - back) / (2.0 * step);
                 let off = (slope - found.slope[axis]).abs();
-                assert!(off < 1e-5 * (1.0 + slope * slope), "{at}: {slope} {}", found.slope);
+                assert!(off < most * (1.0 + slope * slope), "{at}: {slope} {}", found.slope);
             }
         }
     }
