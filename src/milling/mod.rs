@@ -33,7 +33,7 @@ pub use cutting_data::Speeds;
 pub use levels::level_cuts;
 pub use motions::{MotionList, Pace, TipMove};
 pub use operation::{MillingTask, Operation, OperationKind};
-pub use post::{Header, program_comment, program_number, program_text, rounded_number};
+pub use post::{Header, blending, program_comment, program_number, program_text, rounded_number};
 pub use stock_block::StockBlock;
 pub use tip_line::{distance_from_move, thinned};
 pub use travel::TravelExceeded;

@@ -53,7 +53,7 @@ fn begin(text: &mut String, header: &Header, operation: &Operation) {
     let _ = writeln!(text, "G21 G90 G17 G40 G80 G94 {offset}");
     match header.control {
         MillControl::Linuxcnc => {
-            let _ = writeln!(text, "G64 P{:.4}", header.rounding_mm);
+            let _ = writeln!(text, "{}", blending(header.rounding_mm));
             let _ = writeln!(text, "T{NUMBER} M6\nG43 H{NUMBER}");
         }
         MillControl::Fanuc => {
@@ -87,6 +87,17 @@ pub fn rounded_number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0');
     if text == "-0." { "0.".to_owned() } else { text.to_owned() }
+}
+
+/// LinuxCNC's word for rounding corners by so much, mm: never 0, which lets it round them as it likes.
+#[must_use]
+pub fn blending(rounding_mm: f64) -> String {
+    /// The least that four decimals tell.
+    const COARSE_MM: f64 = 1e-4;
+    match rounding_mm < COARSE_MM {
+        true => format!("G64 P{:.6}", rounding_mm.max(1e-6)),
+        false => format!("G64 P{rounding_mm:.4}"),
+    }
 }
 
 /// Writes moves: words that are in force are left out.

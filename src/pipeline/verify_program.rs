@@ -161,9 +161,18 @@ pub(super) fn program_tool(
     if !is_program {
         return Ok(None);
     }
-    if let Some(found) = corner_mm.filter(|corner_mm| cutter_mm.is_none_or(|mm| *corner_mm > mm)) {
-        let must = "no more than --cutter-mm, the radius of the cutter that has the rounded edge";
-        return refuse("--corner-mm", must, found.to_string());
+    if let Some(corner_mm) = corner_mm {
+        let found = corner_mm.to_string();
+        match cutter_mm {
+            None => {
+                let must = "left out without --cutter-mm, the radius of a cutter with a flat end";
+                return refuse("--corner-mm", must, found);
+            }
+            Some(mm) if corner_mm > mm => {
+                return refuse("--corner-mm", "no more than --cutter-mm", found);
+            }
+            Some(_) => {}
+        }
     }
     let tool = match (ball_mm, cutter_mm, nose_mm) {
         (None, None, None) => return Err(Error::Ball { path: name.to_owned() }),

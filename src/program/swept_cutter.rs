@@ -22,6 +22,8 @@ use crate::parallel;
 /// A square with so few moves is not divided, and the most divisions: to some hundredths of a millimetre.
 const FEW: usize = 12;
 const DEEPEST: usize = 11;
+/// The most divisions for a cutter with a flat end, of whose moves fewer are left out of a square: deeper ones take memory and spare little.
+const DEEPEST_FLAT: usize = 9;
 /// More than heights of a cutter with a flat end are off, mm.
 const ROUNDING_MM: f64 = 1e-9;
 /// Squares are divided by several threads down to this depth.
@@ -77,7 +79,8 @@ impl SweptCutter {
         let most = surely.fold(f64::INFINITY, f64::min) + rounding;
         steps.retain(|&k| self.lowest_within(k, middle, reach).is_some_and(|z| z <= most));
         self.leave_higher(middle, reach, &mut steps);
-        if steps.len() <= FEW || depth == DEEPEST {
+        let deepest = if self.cutter.ball_mm().is_some() { DEEPEST } else { DEEPEST_FLAT };
+        if steps.len() <= FEW || depth == deepest {
             steps.shrink_to_fit();
             return Square::Leaf(steps);
         }

@@ -8,7 +8,7 @@
 //! turns at the most, so the circles of the turns beside it are tried as long as they are lower.
 
 use super::turned_section::{NoseCircle, TurnedSection};
-use super::turned_surface::TurnedSurface;
+use super::turned_surface::{PassRun, TurnedSurface};
 use crate::geom::DVec2;
 use crate::num::atan2;
 use crate::parallel;
@@ -20,8 +20,10 @@ const SECTIONS: usize = 64;
 /// Slopes of what a nose leaves.
 #[derive(Debug)]
 pub struct TurnedSlopes {
-    surface: TurnedSurface,
+    nose_mm: f64,
     sections: Vec<TurnedSection>,
+    /// Passes, by the number of the first move of each run.
+    runs: Vec<(usize, PassRun)>,
 }
 
 /// A circle at an azimuth, over a place there.
@@ -35,10 +37,9 @@ struct CircleOver {
 impl TurnedSlopes {
     /// Those of `surface`.
     #[must_use]
-    pub fn new(mut surface: TurnedSurface) -> Self {
+    pub fn new(surface: TurnedSurface) -> Self {
         let sections = parallel::map(SECTIONS, 1, |k| surface.section(k as f64 / SECTIONS as f64));
-        surface.sort();
-        Self { surface, sections }
+        Self { nose_mm: surface.nose_mm(), sections, runs: surface.runs() }
     }
 
     /// The slope (Z_X, Z_Y) over a place of the plan, mm; none where no circle comes, and in the axis.
@@ -48,8 +49,10 @@ impl TurnedSlopes {
         let share = (atan2(at.y, at.x) / TAU).rem_euclid(1.0);
         let nearest = (share * SECTIONS as f64).round();
         let circle = self.sections[nearest as usize % SECTIONS].circle_over(radius)?;
-        let turned = share - nearest / SECTIONS as f64;
-        let over = |turns: f64| self.over(circle, circle.turn + turned + turns, radius);
+        let begun = self.runs.partition_point(|(first, _)| *first <= circle.step);
+        let (_, run) = &self.runs[begun.checked_sub(1)?];
+        let turned = circle.turn + share - nearest / SECTIONS as f64;
+        let over = |turns: f64| self.over((circle, run), turned + turns, radius);
         let mut lowest = over(0.0);
         for way in [1.0, -1.0] {
             let mut turns = way;
@@ -66,11 +69,16 @@ impl TurnedSlopes {
     }
 
     /// The circle that the nose has after so many turns, on the side of the axis where `circle` is; none that does not come over the place.
-    fn over(&self, circle: &NoseCircle, turn: f64, radius: f64) -> Option<CircleOver> {
-        let pass = self.surface.pass_at(turn)?;
+    fn over(
+        &self,
+        (circle, run): (&NoseCircle, &PassRun),
+        turn: f64,
+        radius: f64,
+    ) -> Option<CircleOver> {
+        let pass = run.pass_at(turn)?;
         let side = if circle.is_beyond { DVec2::new(-1.0, 1.0) } else { DVec2::ONE };
         let [centre, way] = [pass.centre(turn), pass.way_in_a_turn() / TAU].map(|at| at * side);
-        let (nose, off) = (self.surface.nose_mm(), radius - centre.x);
+        let (nose, off) = (self.nose_mm, radius - centre.x);
         let depth = nose * nose - off * off;
         let along = off / depth.sqrt();
         (depth > 0.0).then(|| CircleOver {
@@ -87,7 +95,7 @@ mod tests {
     use crate::num::{cos, sin};
     use crate::program::{SpindleTurn, ToolMove, TurningPath};
 
-    /// A path whose centre is `height` over a spiral with the feed `feed_mm`, `per_turn` moves a turn, from 12 mm to the axis.
+    /// A path whose centre is `height` over a spiral with the feed `feed_mm`, `per_turn` moves a turn, from 12 mm to 0.4 mm beyond the axis.
     fn path(
         height: impl Fn(f64, f64) -> f64,
         [nose_mm, feed_mm]: [f64; 2],
@@ -99,7 +107,7 @@ mod tests {
             (DVec3::new(x - nose_mm, 0.0, height(x, TAU * turn) - nose_mm), turn)
         };
         let mut path = TurningPath::default();
-        for k in 0..(12.0 / feed_mm) as usize * per_turn {
+        for k in 0..(12.4 / feed_mm) as usize * per_turn {
             let ((from, begin), (to, end)) = (at(k), at(k + 1));
             path.tool.moves.push(ToolMove { from, to, feed: Some(1.0), line: 1 });
             path.turns.push(end - begin);
@@ -113,7 +121,13 @@ mod tests {
     fn slopes_are_those_of_differences() {
         let saddle = |x: f64, azimuth: f64| 8.0 - 0.02 * x * x * (1.0 + 0.5 * cos(2.0 * azimuth));
         for (nose_mm, feed_mm, way) in [(1.0, 0.02, 1.0), (0.5, 0.05, -1.0), (2.0, 0.011, 1.0)] {
-            let path = path(saddle, [nose_mm, feed_mm], (360, way));
+            let above =
+                path(|x, azimuth| saddle(x, azimuth) + 0.01, [nose_mm, feed_mm], (100, way));
+            let mut path = path(saddle, [nose_mm, feed_mm], (360, way));
+            // (C is where it began, for a cut over the same places that leaves nothing.)
+            path.tool.moves.splice(0..0, above.tool.moves);
+            path.turns.splice(0..0, above.turns);
+            path.commanded.splice(0..0, above.commanded);
             let surface = TurnedSurface::new(&path, nose_mm);
             let slopes = TurnedSlopes::new(surface.clone());
             let z = |at: DVec2| {

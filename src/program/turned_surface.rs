@@ -10,6 +10,9 @@ use super::lathe::TurningPath;
 use super::turned_section::{NoseCircle, TurnedSection};
 use crate::geom::DVec2;
 
+/// What rounding leaves between a pass and the next one, turns.
+const GAP_TURNS: f64 = 1e-9;
+
 /// Circles of a nose along the moves of a lathe.
 #[derive(Debug, Clone)]
 pub struct TurnedSurface {
@@ -47,6 +50,19 @@ impl TurningPass {
     /// How the centre moves in a turn, mm.
     pub(super) fn way_in_a_turn(&self) -> DVec2 {
         (self.to - self.from) / self.turns
+    }
+}
+
+/// Passes in the order of their turns.
+#[derive(Debug)]
+pub(super) struct PassRun(Vec<TurningPass>);
+
+impl PassRun {
+    /// The pass in which the spindle has made so many turns; none between passes.
+    pub(super) fn pass_at(&self, turn: f64) -> Option<&TurningPass> {
+        let next = self.0.partition_point(|pass| pass.span()[0] <= turn);
+        let pass = &self.0[next.checked_sub(1)?];
+        (turn <= pass.span()[1] + GAP_TURNS).then_some(pass)
     }
 }
 
@@ -110,18 +126,24 @@ impl TurnedSurface {
         self.nose_mm
     }
 
-    /// Puts the passes in the order of the turns at which they begin, in which [`Self::pass_at`] finds them.
-    pub(super) fn sort(&mut self) {
-        self.passes.sort_by(|a, b| a.span()[0].total_cmp(&b.span()[0]));
-    }
-
-    /// The pass in which the spindle has made so many turns, of passes that are in the order of their turns; none between passes.
-    pub(super) fn pass_at(&self, turn: f64) -> Option<&TurningPass> {
-        /// What rounding leaves between a pass and the next one, turns.
-        const GAP: f64 = 1e-9;
-        let next = self.passes.partition_point(|pass| pass.span()[0] <= turn);
-        let pass = &self.passes[next.checked_sub(1)?];
-        (turn <= pass.span()[1] + GAP).then_some(pass)
+    /// The passes in runs in each of which the spindle goes on one way, by the number of the first move.
+    pub(super) fn runs(mut self) -> Vec<(usize, PassRun)> {
+        let goes_on = |a: &TurningPass, b: &TurningPass| {
+            let way = a.turns.signum();
+            way * b.turns > 0.0 && way * (b.begin - a.begin - a.turns) > -GAP_TURNS
+        };
+        let mut runs: Vec<(usize, PassRun)> = Vec::new();
+        let mut rest = std::mem::take(&mut self.passes);
+        while let Some(first) = rest.first().copied() {
+            let ends = rest.windows(2).position(|pair| !goes_on(&pair[0], &pair[1]));
+            let after = rest.split_off(ends.map_or(rest.len(), |last| last + 1));
+            if first.turns < 0.0 {
+                rest.reverse();
+            }
+            runs.push((first.step, PassRun(rest)));
+            rest = after;
+        }
+        runs
     }
 }
 

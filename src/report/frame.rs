@@ -61,11 +61,13 @@ impl FrameReport {
 fn widest(ranges: &[[f64; 2]]) -> (Vec<String>, usize) {
     /// Ranges that are named.
     const NAMED: usize = 4;
-    let mut widths: Vec<f64> = ranges.iter().map(|[a, b]| b - a).collect();
-    widths.sort_by(|a, b| b.total_cmp(a));
-    let least = widths.get(NAMED - 1).copied().unwrap_or(0.0);
-    let named = ranges.iter().filter(|[a, b]| b - a >= least).take(NAMED);
-    let named: Vec<String> = named.map(|[a, b]| format!("{a:.3} to {b:.3}")).collect();
+    let width = |k: &usize| ranges[*k][1] - ranges[*k][0];
+    let mut order: Vec<usize> = (0..ranges.len()).collect();
+    order.sort_by(|a, b| width(b).total_cmp(&width(a)).then(a.cmp(b)));
+    order.truncate(NAMED);
+    order.sort_unstable();
+    let named: Vec<String> =
+        order.into_iter().map(|k| format!("{:.3} to {:.3}", ranges[k][0], ranges[k][1])).collect();
     let others = ranges.len() - named.len();
     (named, others)
 }
@@ -183,5 +185,9 @@ mod tests {
         assert_eq!(named[0], "9.000 to 9.090");
         assert_eq!((named.len(), others), (4, 46));
         assert_eq!(widest(&[]), (Vec::new(), 0));
+        // The widest after as many of one width as are named.
+        let ties = [[0.0, 0.5], [1.0, 1.5], [2.0, 2.5], [3.0, 3.5], [90.0, 130.0]];
+        let (named, others) = widest(&ties);
+        assert_eq!((named[3].as_str(), others), ("90.000 to 130.000", 1));
     }
 }

@@ -1,7 +1,7 @@
 //! Programs of lathes: the text of an operation as a control reads it.
 
 use super::operation::TurnedOperation;
-use crate::milling::{Pace, TipMove, program_comment, program_number, rounded_number};
+use crate::milling::{Pace, TipMove, blending, program_comment, program_number, rounded_number};
 use crate::profile::{LatheControl, WorkOffset};
 use std::fmt::Write;
 
@@ -67,7 +67,7 @@ fn begin(text: &mut String, header: &LatheHeader, operation: &TurnedOperation) {
     match header.control {
         LatheControl::Linuxcnc => {
             let _ = writeln!(text, "G21 G90 G18 G40 G80 G7 G95 {offset}");
-            let _ = writeln!(text, "G64 P{:.4}", header.rounding_mm);
+            let _ = writeln!(text, "{}", blending(header.rounding_mm));
             let _ = writeln!(text, "T{NUMBER} M6\nG43");
         }
         LatheControl::Fanuc => {
@@ -135,11 +135,16 @@ mod tests {
     use crate::milling::OperationKind;
 
     fn text(control: LatheControl) -> String {
+        text_of(control, [0.05, 0.001])
+    }
+
+    /// With a feed in a turn, and what a control may round corners by, mm.
+    fn text_of(control: LatheControl, [feed_mm_rev, rounding_mm]: [f64; 2]) -> String {
         let at = |x: f64, z: f64, pace| TipMove { to: DVec3::new(x, 0.0, z), pace };
         let operation = TurnedOperation {
             kind: OperationKind::Finishing,
             nose_mm: 0.8,
-            feed_mm_rev: 0.05,
+            feed_mm_rev,
             spindle_rpm: 1200.0,
             levels: 1,
             allowance_mm: 0.0,
@@ -148,7 +153,7 @@ mod tests {
                 at(32.0, 20.0, Pace::Rapid),
                 at(32.0, 5.0, Pace::Rapid),
                 at(30.0, 5.0, Pace::Cut),
-                at(-0.8, 9.25, Pace::Cut),
+                at(-0.8, 9.250004, Pace::Cut),
                 at(-0.8, 20.0, Pace::Rapid),
             ],
         };
@@ -156,10 +161,19 @@ mod tests {
             control,
             work_offset: WorkOffset::FIRST,
             comments: &["part (naïve) 1".to_owned()],
-            rounding_mm: 0.001,
+            rounding_mm,
             max_spindle_rpm: 3000.0,
         };
         lathe_program_text(&header, &operation)
+    }
+
+    /// Feeds below a fiftieth of the nose's radius have places in nanometres, but for a Fanuc, and corners are never rounded by 0.
+    #[test]
+    fn fine_feeds_have_nanometres() {
+        let fine = text_of(LatheControl::Linuxcnc, [0.005, 2e-5]);
+        assert!(fine.contains("Z9.250004\n") && fine.contains("G64 P0.000020\n"), "{fine}");
+        assert!(text_of(LatheControl::Fanuc, [0.005, 2e-5]).contains("Z9.25\n"));
+        assert!(text_of(LatheControl::Linuxcnc, [0.02, 0.0]).contains("G64 P0.000001\n"));
     }
 
     /// A turn takes 0.05 s; the tool is held for a little more.

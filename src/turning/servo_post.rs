@@ -1,7 +1,7 @@
 //! Programs of slow tool servos: an operation as a control reads it, or as a table of points.
 
 use super::servo_task::ServoOperation;
-use crate::milling::program_comment;
+use crate::milling::{blending, program_comment};
 use crate::profile::{ServoControl, WorkOffset};
 use std::fmt::Write;
 
@@ -34,7 +34,7 @@ fn linuxcnc(header: &ServoHeader, operation: &ServoOperation) -> String {
         let _ = writeln!(text, "({})", program_comment(comment));
     }
     let _ = writeln!(text, "G21 G90 G18 G40 G80 G8 G94 {}", header.work_offset.name());
-    let _ = writeln!(text, "G64 P{:.4}", header.rounding_mm);
+    let _ = writeln!(text, "{}", blending(header.rounding_mm));
     text.push_str("T1 M6\nG43\n");
     let _ = writeln!(text, "G0 Z{}", length(header.safe_mm));
     let per_turn = operation.table.per_turn;

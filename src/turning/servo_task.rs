@@ -109,12 +109,14 @@ impl ServoTask<'_> {
         Ok(vec![self.operation(rough)?, self.operation(even)?, finishing])
     }
 
-    /// The least feed of finishing, mm, whose turns have enough points and all of them no more than a program may have; none where no feed
-    /// up to the nose's radius does.
+    /// The least feed of finishing, mm, and a little, whose turns have enough points and all of them no more than a program may have; none
+    /// where no feed up to the nose's radius does.
     #[must_use]
     pub fn least_feed_mm(&self) -> Option<f64> {
         /// Halvings of its logarithm, to far less than four digits from a thousandth of what is too little.
         const HALVINGS: usize = 40;
+        /// What points before the first turn take, and rounding of the feed.
+        const MARGIN: f64 = 1.02;
         let has_room = |feed_mm: f64| self.per_turn(self.finishing(feed_mm)).is_ok();
         let [mut low, mut high] = [1e-6, 1.0].map(|share| share * self.spec.nose.radius_mm);
         if !has_room(high) {
@@ -124,7 +126,7 @@ impl ServoTask<'_> {
             let middle = f64::sqrt(low * high);
             if has_room(middle) { high = middle } else { low = middle }
         }
-        Some(high)
+        Some(MARGIN * high)
     }
 
     /// Finishing with a feed.
@@ -191,7 +193,7 @@ impl ServoTask<'_> {
                 Some(("feed_mm_rev", rounded_up(slope * asked.feed_mm), "mm")),
             ));
         };
-        let turns = (self.bar.radius_mm + BESIDE_MM) / asked.feed_mm;
+        let turns = (self.bar.radius_mm + BESIDE_MM + self.spec.nose.radius_mm) / asked.feed_mm;
         let count = turns * per_turn as f64;
         if count > MOST { Err(many(asked, count)) } else { Ok(per_turn) }
     }

@@ -70,7 +70,7 @@ pub(super) struct PolarLimits<'a> {
     pub corners: &'a [f64],
     /// Azimuths of a circle: as [`whole`] has them.
     pub azimuths: f64,
-    /// Most facets that follow cusps.
+    /// Most facets that follow cusps; with 0 none do.
     pub most: f64,
 }
 
@@ -106,7 +106,8 @@ impl PolarFace {
         let cusps = section(0.0).cusps_mm().into_iter().rev();
         let cusps: Vec<f64> = cusps.filter(|at| (inner..outer).contains(at)).collect();
         let apart_mm = (outer - inner) / cusps.len().max(1) as f64;
-        if facet_estimate(cusps.len() as f64, limits.azimuths) <= limits.most {
+        let facets = facet_estimate(cusps.len() as f64, limits.azimuths);
+        if limits.most > 0.0 && facets <= limits.most {
             let rows = |outer: f64| {
                 let cusps: Vec<f64> = cusps.iter().copied().filter(|cusp| *cusp < outer).collect();
                 rows(&cusps, [inner, outer])

@@ -85,36 +85,33 @@ impl RoundFace {
     }
 }
 
-/// What a ball leaves along one radius.
+/// What a cutter leaves along one radius.
 struct SweptSection<'a> {
     swept: &'a SweptCutter,
     /// Direction of the radius.
     out: DVec2,
-    /// Distances of the cusps from the axis, rising, mm.
-    cusps: Vec<f64>,
+    /// Ends of the radius, mm.
+    radii_mm: [f64; 2],
+    /// Distance of the turns, mm.
+    apart_mm: f64,
 }
 
 impl<'a> SweptSection<'a> {
     /// At an azimuth that is a share of a turn, between two radii, of turns so far apart, mm.
-    fn new(
-        swept: &'a SweptCutter,
-        share: f64,
-        ([inner, outer], apart_mm): ([f64; 2], f64),
-    ) -> Self {
+    fn new(swept: &'a SweptCutter, share: f64, (radii_mm, apart_mm): ([f64; 2], f64)) -> Self {
         let angle = TAU * share;
-        let out = DVec2::new(cos(angle), sin(angle));
-        let rows = ((outer - inner) * ROWS as f64 / apart_mm).ceil().max(1.0);
-        let pitch_mm = (outer - inner) / rows;
-        let search = CuspSearch { swept, ways: [out.perp(), out], apart_mm, pitch_mm };
-        let middle = |k: usize| inner + (k as f64 + 0.5) * pitch_mm;
-        let cusps = (0..rows as usize).filter_map(|k| search.near(0.0, middle(k))).collect();
-        Self { swept, out, cusps }
+        Self { swept, out: DVec2::new(cos(angle), sin(angle)), radii_mm, apart_mm }
     }
 }
 
 impl PolarSection for SweptSection<'_> {
     fn cusps_mm(&self) -> Vec<f64> {
-        self.cusps.clone()
+        let &Self { swept, out, radii_mm: [inner, outer], apart_mm } = self;
+        let rows = ((outer - inner) * ROWS as f64 / apart_mm).ceil().max(1.0);
+        let pitch_mm = (outer - inner) / rows;
+        let search = CuspSearch { swept, ways: [out.perp(), out], apart_mm, pitch_mm };
+        let middle = |k: usize| inner + (k as f64 + 0.5) * pitch_mm;
+        (0..rows as usize).filter_map(|k| search.near(0.0, middle(k))).collect()
     }
 
     fn cut(&self, radius_mm: f64) -> Option<(f64, usize)> {

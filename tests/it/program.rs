@@ -265,6 +265,7 @@ fn cutters_with_a_flat_end_leave_the_envelope_of_their_edge() {
         let found = verify.in_memory(&profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0;
         let facts = found.program.unwrap_or_else(|| panic!("{:?}", found.reasons));
         let is_ball = corner_mm == radius_mm;
+        assert_eq!(facts.slopes == SlopeOrigin::Facets, is_ball);
         assert_eq!(
             facts.radius_mm.zip(facts.corner_mm),
             (!is_ball).then_some((radius_mm, corner_mm))
@@ -300,8 +301,8 @@ fn cutters_that_contradict_each_other_are_refused() {
     for (name, options, said) in [
         (
             "a.ngc",
-            VerifyOptions { corner_mm: ball, ..options },
-            "--corner-mm must be no more than --cutter-mm",
+            VerifyOptions { corner_mm: ball, ball_mm: ball, ..options },
+            "--corner-mm must be left out without --cutter-mm",
         ),
         (
             "a.ngc",

@@ -49,8 +49,18 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section, parts: &Entries) 
 /// Discs and folded panels lie about the camera's axis.
 fn suits(reader: &mut ProfileReader, parts: &Entries, section: &Section, mount: &Mount) {
     let Some(layout) = &parts.layout else { return };
-    let goes_along = matches!(layout.name, LayoutName::Rectangle | LayoutName::Strip);
-    if mount.is_on_axis() || goes_along {
+    if layout.name == LayoutName::Strip && mount.shift_mm != [0.0; 2] {
+        let [x, y] = mount.shift_mm;
+        let message = format!(
+            "{}.shift_mm must be left out with [layout.strip], whose mirror is where the camera looks, found [{x}, {y}]",
+            section.path
+        );
+        let hint = "fold_deg and towards_deg alone lean the camera over a strip";
+        reader.complain(section.at, message, hint);
+        return;
+    }
+    let may_lean = matches!(layout.name, LayoutName::Rectangle | LayoutName::Strip);
+    if mount.is_on_axis() || may_lean {
         return;
     }
     let message = format!(
