@@ -32,6 +32,8 @@ const CUSPS_OF_POLISH: f64 = 0.9;
 pub(super) struct FinishingTurns {
     /// Along which way they are a feed apart.
     pub spacing: TurnSpacing,
+    /// Largest tilt of straight moves along the radius from their path over that of the cusps, to which it adds.
+    pub chord_tilt: f64,
     /// The least `f^2 / (8 r h)` of cusps h high that a feed f and a nose r leave: `1 + r k`, where the mirror bulges with the curvature k
     /// along the radius, over the square of what turns are apart on the mirror over f.
     pub flattest: f64,
@@ -49,7 +51,7 @@ pub(super) fn finishing_feed(
 ) -> (f64, Option<Summary>) {
     let nose_mm = spec.nose.radius_mm;
     let analysis = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
-    let FinishingTurns { spacing, flattest, least_mm } = turns;
+    let FinishingTurns { spacing, chord_tilt, flattest, least_mm } = turns;
     // Cusps are tilted by up to f / (2 r), whatever the mirror's curvature.
     let foreseen = |feed_mm: f64| analysis.displacements_of_turns(0.5 * feed_mm / nose_mm, spacing);
     let finishing = &spec.finishing;
@@ -65,7 +67,7 @@ pub(super) fn finishing_feed(
         None if polish_um.is_some() => None,
         None => {
             let [rms_px, max_px] = room_for_picture(profile, design)?;
-            Some(widest_mm * (rms_px / px.rms).min(max_px / px.max))
+            Some(widest_mm * (rms_px / px.rms).min(max_px / (px.max * (1.0 + chord_tilt))))
         }
     });
     // (Chords stand out of the mirror too.)

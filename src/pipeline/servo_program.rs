@@ -36,7 +36,8 @@ pub(super) fn servo_cut(
             (nose_mm * place.section.curvature - 1.0) / (stretch * stretch)
         });
         let (spacing, least_mm) = (TurnSpacing::AlongRadius, task.least_feed_mm().unwrap_or(0.0));
-        let turns = FinishingTurns { spacing, flattest, least_mm };
+        // (Its moves are tilted around the axis, square to the cusps.)
+        let turns = FinishingTurns { spacing, chord_tilt: 0.0, flattest, least_mm };
         let (feed_mm, foreseen) = finishing_feed(profile, spec, design, turns);
         Ok(((feed_mm, foreseen), format!("{feed_mm} mm in a turn")))
     })?;

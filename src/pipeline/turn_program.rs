@@ -11,7 +11,8 @@ use crate::profile::{LatheControl, Profile, TurnSpec};
 use crate::program::TurningPath;
 use crate::results::{FileFacts, ProgramReport};
 use crate::turning::{
-    Bar, LatheHeader, Meridian, TurnedOperation, TurningError, TurningTask, lathe_program_text,
+    Bar, FINE_SLOPE, LatheHeader, Meridian, TurnedOperation, TurningError, TurningTask,
+    lathe_program_text,
 };
 use crate::verdict::{BarOnLathe, TurnedShape};
 
@@ -37,8 +38,12 @@ pub(super) fn turned(
         let bulge = |curvature: f64| 1.0 - nose_mm * curvature;
         let bulges = meridian.places().map(|place| bulge(place.curvature));
         let least = bulges.fold(f64::INFINITY, f64::min);
-        let spacing = TurnSpacing::AlongMirror;
-        let turns = FinishingTurns { spacing, flattest: least, least_mm: 0.0 };
+        let turns = FinishingTurns {
+            spacing: TurnSpacing::AlongMirror,
+            chord_tilt: FINE_SLOPE,
+            flattest: least,
+            least_mm: 0.0,
+        };
         let (feed_mm, foreseen) = finishing_feed(profile, spec, design, turns);
         Ok(((feed_mm, foreseen), format!("{feed_mm} mm in a turn")))
     })?;

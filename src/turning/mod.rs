@@ -35,7 +35,7 @@ pub use bar::Bar;
 pub use cutting_data::usual_feed_mm;
 pub use disc_sections::{DiscPlace, DiscSections};
 pub use meridian::{Meridian, MeridianPlace};
-pub use operation::{TurnedOperation, TurningTask};
+pub use operation::{FINE_SLOPE, TurnedOperation, TurningTask};
 pub use point_table::{PointTable, ServoLimit};
 pub use post::{LatheHeader, lathe_program_text};
 pub use servo_post::{ServoHeader, servo_program_text};

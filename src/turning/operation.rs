@@ -15,7 +15,7 @@ use crate::profile::TurnSpec;
 pub(super) const CHORD: f64 = 0.02;
 /// Largest difference of the slopes of finishing moves from the path's over those of the cusps, f / (2 r), to which they add: where
 /// all moves have it, it adds 4 % of the cusps' mean square.
-pub(super) const FINE_SLOPE: f64 = 0.2;
+pub const FINE_SLOPE: f64 = 0.2;
 /// How far turns go on beside the rim, over their feed.
 pub(super) const BEYOND: f64 = 2.0;
 /// Most moves of an operation: as many as readers keep.

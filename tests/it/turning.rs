@@ -146,6 +146,29 @@ fn slopes_of_fine_turns_are_those_that_the_moves_leave() {
     assert!((own.rms / errors.pixel_error_px.unwrap().rms - 1.0).abs() < 1e-3, "{own:?}");
 }
 
+/// The feed that a lathe and a slow tool servo choose keeps the picture within its limits as it comes off the machine.
+#[test]
+fn the_feed_that_is_chosen_keeps_the_picture() {
+    let limits = (
+        "pixel_error_rms_px = 2, pixel_error_max_px = 6",
+        "pixel_error_rms_px = 0.6, pixel_error_max_px = 1.2",
+    );
+    let text = edited(ROUND, &[limits]);
+    for machine in ["turn", "sts"] {
+        let own = edited(&text, &[("\"turn\"", &format!("\"{machine}\""))]);
+        let (report, _) = turned(&parsed(&format!("{own}\nnose_mm = 1.5\n")));
+        assert_eq!(report.verdict, Verdict::Pass, "{machine}: {:?}", report.reasons);
+        assert_eq!(report.program.unwrap().slopes, SlopeOrigin::Path, "{machine}");
+        let [cut, study] = [
+            report.as_cut.unwrap().trace.errors.facet_error_px.unwrap(),
+            report.foreseen_px.unwrap(),
+        ];
+        assert!((cut.rms / study.rms - 1.0).abs() < 0.03, "{machine}: {cut:?}, foreseen {study:?}");
+        // Not finer than it has to be.
+        assert!(cut.max > 0.6 || cut.rms > 0.3, "{machine}: {cut:?}");
+    }
+}
+
 /// Facets that follow the cusps and slopes that the moves leave have errors in one proportion to the feed.
 #[test]
 #[ignore = "long: .ci/nightly"]
