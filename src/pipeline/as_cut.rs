@@ -1,6 +1,6 @@
 //! The part as cut: its face closed, written, read back and traced.
 
-use super::check_file::{open, witness};
+use super::check_file::{open, witness_opened};
 use super::mesh_files::labelled;
 use super::run::Run;
 use super::{Error, Stage};
@@ -36,12 +36,8 @@ pub(super) fn written_as_cut(
     let staged = run.files.staged(FILE)?;
     // What is cut ends at the mirror's rim.
     let checked = |reread| CheckedMesh::new(design, reread, None).with_slopes(slopes);
-    let (file, read) = open(run, FORMAT, staged.read()?, checked)?;
-    let promise = Promise::exact();
-    let mut check = match read {
-        Ok(checked) => witness(run, design, (file, FORMAT), checked, promise, each),
-        Err(error) => FileCheck::unreadable(file, FORMAT, promise, &error),
-    };
+    let opened = open(run, FORMAT, staged.read()?, checked)?;
+    let mut check = witness_opened(run, design, FORMAT, opened, Promise::exact(), each);
     check.rename(FILE.to_owned());
     check.altered = check.file.sha256 != staged.sha256();
     Ok(check)

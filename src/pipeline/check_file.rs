@@ -38,15 +38,27 @@ pub(super) fn check_file(
     each: EachStrip,
 ) -> Result<FileCheck, FileError> {
     let check = |reread, proven| CheckedMesh::new(design, reread, proven);
-    let (file, read) = open_source(run, format, source, check)?;
-    Ok(match read {
+    let opened = open_source(run, format, source, check)?;
+    Ok(witness_opened(run, design, format, opened, promise, each))
+}
+
+/// Traces a mesh that was read and checked, if it could be read; `each` is called with every strip of the frame.
+pub(super) fn witness_opened(
+    run: &Run,
+    design: &Design,
+    format: MeshFormat,
+    (file, read): Opened<CheckedMesh>,
+    promise: Promise,
+    each: EachStrip,
+) -> FileCheck {
+    match read {
         Ok(checked) => witness(run, design, (file, format), checked, promise, each),
         Err(error) => FileCheck::unreadable(file, format, promise, &error),
-    })
+    }
 }
 
 /// A file and what was made of its mesh, or why it could not be read.
-type Opened<T> = (FileFacts, Result<T, ReadError>);
+pub(super) type Opened<T> = (FileFacts, Result<T, ReadError>);
 
 /// Reads the bytes of a mesh file, and does something with what is in it.
 ///

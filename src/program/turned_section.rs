@@ -188,7 +188,7 @@ mod tests {
     }
 
     /// Circles that follow a sphere a radius away from it touch it: without cusps the section is the sphere but for its chords from
-    /// place to place, f^2 k / 8, and with them it is cusps of f^2 / (8 r) higher.
+    /// place to place, and its cusps are f^2 / (8 r (1 + r k)) higher.
     #[test]
     fn without_cusps_a_section_is_what_its_circles_follow() {
         for (nose_mm, feed_mm) in [(0.4, 0.02), (1.0, 0.006), (2.0, 0.1)] {
