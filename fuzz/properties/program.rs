@@ -46,7 +46,7 @@ pub fn holds(bytes: &[u8]) {
             let of = |step: usize| swept.of_step(step, at).map(|(z, _)| z);
             let least = (0..moves.len()).filter_map(of).reduce(f64::min);
             let found = swept.lowest(at).map(|found| found.z_mm);
-            // (The places of cutters with a flat end are found by halving.)
+            // (Places of cutters with a flat end are found by Newton's method.)
             let off = found.zip(least).map_or(0.0, |(a, b)| (a - b).abs());
             let rounding =
                 if corner_mm == 2.0 { 0.0 } else { 1e-9 * (1.0 + least.unwrap_or(0.0).abs()) };

@@ -43,16 +43,21 @@ def verify(
     align: bool = False,
     probe_mm: Optional[float] = None,
     ball_mm: Optional[float] = None,
+    cutter_mm: Optional[float] = None,
+    corner_mm: Optional[float] = None,
+    nose_mm: Optional[float] = None,
     progress: Progress = None,
 ) -> Report:
     """Checks and traces a file of any making as a part of the profile: `morion verify`.
 
     `align` fits the pose of a measured part first. `probe_mm` is the radius of the ball whose centres a list of points holds, `ball_mm`
-    that of the cutter that a program moves.
+    that of the ball cutter that a program moves, `cutter_mm` that of a flat or bull-nosed cutter, whose rounded edge has the radius `corner_mm`,
+    and `nose_mm` that of the nose of a lathe's tool.
     """
+    radii_mm = [probe_mm, ball_mm, cutter_mm, corner_mm, nose_mm]
     with watched(progress, "verify") as watch:
         place = (folder, watch)
-        return Report(_morion.verify(as_profile(profile), place, path, align, [probe_mm, ball_mm]))
+        return Report(_morion.verify(as_profile(profile), place, path, align, radii_mm))
 
 
 def tolerance(
@@ -152,6 +157,14 @@ def machining(
     with watched(progress, "machining") as watch:
         place = (folder, watch)
         return Report(_morion.machining(as_profile(profile), place, ball_mm, stepover_mm))
+
+
+def program(
+    profile: Wanted, folder: Optional[Path] = None, *, progress: Progress = None
+) -> Report:
+    """Writes programs that mill or turn the mirror as `[program]` of the profile asks, and cuts and traces it: `morion program`."""
+    with watched(progress, "program") as watch:
+        return Report(_morion.program(as_profile(profile), (folder, watch)))
 
 
 def table(

@@ -16,6 +16,7 @@ __all__ = [
     "decode_png",
     "frame",
     "machining",
+    "program",
     "render",
     "replay",
     "shipped",
@@ -111,7 +112,7 @@ def verify(
     place: _Place,
     path: _Path,
     align: bool,
-    balls_mm: Sequence[Optional[float]],
+    radii_mm: Sequence[Optional[float]],
 ) -> _Outcome: ...
 def tolerance(
     profile: Profile, place: _Place, range: Sequence[int], seed: int, until: Optional[float]
@@ -132,6 +133,7 @@ def blur(profile: Profile, place: _Place, focus_mm: Optional[float]) -> _Outcome
 def machining(
     profile: Profile, place: _Place, ball_mm: float, stepover_mm: Optional[float]
 ) -> _Outcome: ...
+def program(profile: Profile, place: _Place) -> _Outcome: ...
 def table(
     profile: Profile,
     place: _Place,

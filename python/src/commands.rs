@@ -5,7 +5,8 @@ use crate::long_call::{Watch, long_call};
 use crate::profile::Profile;
 use morion::{
     Answer, BlurOptions, BuildOptions, Command, Effort, FrameOptions, MachiningOptions,
-    RenderOptions, ReplayOptions, TableOptions, ToleranceOptions, Verify, VerifyOptions,
+    ProgramOptions, RenderOptions, ReplayOptions, TableOptions, ToleranceOptions, Verify,
+    VerifyOptions,
 };
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
@@ -89,10 +90,11 @@ pub(crate) fn verify<'py>(
     place: Place,
     path: PathBuf,
     align: bool,
-    balls_mm: [Option<f64>; 2],
+    radii_mm: [Option<f64>; 5],
 ) -> PyResult<Found<'py>> {
-    let [probe_mm, ball_mm] = balls_mm;
-    let options = VerifyOptions { align, probe_mm, ball_mm, ..VerifyOptions::default() };
+    let [probe_mm, ball_mm, cutter_mm, corner_mm, nose_mm] = radii_mm;
+    let options =
+        VerifyOptions { units: None, align, probe_mm, ball_mm, cutter_mm, corner_mm, nose_mm };
     run(py, profile, place, move |job| job.run(&Verify { path: &path, options }))
 }
 
@@ -179,6 +181,16 @@ pub(crate) fn machining<'py>(
 ) -> PyResult<Found<'py>> {
     let options = MachiningOptions { ball_mm, stepover_mm, ..MachiningOptions::default() };
     run(py, profile, place, move |job| job.run(&options))
+}
+
+/// Programs that mill or turn the mirror.
+#[pyfunction]
+pub(crate) fn program<'py>(
+    py: Python<'py>,
+    profile: &Profile,
+    place: Place,
+) -> PyResult<Found<'py>> {
+    run(py, profile, place, move |job| job.run(&ProgramOptions))
 }
 
 /// Tables of what each pixel looks at.

@@ -16,7 +16,7 @@ mod _morion {
     use super::commands::decode_png;
     #[pymodule_export]
     use super::commands::{
-        blur, build, frame, machining, render, replay, table, tolerance, verify,
+        blur, build, frame, machining, program, render, replay, table, tolerance, verify,
     };
     #[pymodule_export]
     use super::mirror::{NativeCamera, NativeDesign, NativeMesh};

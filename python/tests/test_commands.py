@@ -43,6 +43,24 @@ def test_a_build_in_a_folder_is_verified(small: morion.Profile, tmp_path: Path) 
         morion.verify(small, tmp_path / "no-such.stl")
 
 
+def test_a_program_is_verified_with_the_tool_that_it_moves(
+    small: morion.Profile, tmp_path: Path
+) -> None:
+    report = morion.program(small, tmp_path)
+    assert report.folder == tmp_path / "small" / "program"
+    finishing = report.folder / "finishing.ngc"
+    foreseen = report["as_cut"]["trace"]["errors"]["facet_error_px"]["rms"]
+    found = morion.verify(small, finishing, ball_mm=report["program"]["ball_mm"])
+    cut = found["trace"][0]["errors"]["facet_error_px"]["rms"]
+    assert abs(cut / foreseen - 1.0) < 0.01
+    bull = morion.verify(small, finishing, cutter_mm=3.0, corner_mm=1.0)
+    assert bull["program"]["corner_mm"] == 1.0 and bull.verdict == "fail"
+    with pytest.raises(morion.MorionError, match="corner-mm must be no more than"):
+        morion.verify(small, finishing, cutter_mm=1.0, corner_mm=2.0)
+    with pytest.raises(morion.MorionError, match="left out with --nose-mm"):
+        morion.verify(small, finishing, cutter_mm=1.0, nose_mm=0.5)
+
+
 def test_trials_are_a_structured_array(small: morion.Profile) -> None:
     report = morion.tolerance(small, trials=64, seed=7)
     trials = report.trials

@@ -4,7 +4,7 @@ use super::memory::{forget_peak, resident};
 use super::{BenchError, BenchSweep, BenchTime, Subject, convergence_order, run, timed};
 use crate::pipeline::{Run, Silent, build_in_memory};
 use crate::trace::{CameraTrace, TraceStrip, TraceSummary};
-use crate::verdict::{expected_rays, wanted_picture};
+use crate::verdict::{RimShift, expected_rays, wanted_picture};
 use std::convert::Infallible;
 
 /// Pixels to the side over the camera's own: from 0.3 to 315 megapixels of 640 x 480.
@@ -27,7 +27,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
             let trace = CameraTrace::new(&made.scene, &scaled.camera, made.scene.above_mm());
             let look = || {
                 let mut summary = TraceSummary::default();
-                let table = expected_rays(&scaled, 0.0);
+                let table = expected_rays(&scaled, RimShift::None);
                 let picture = wanted_picture(&subject.profile, &scaled);
                 TraceStrip::each(&trace, None, picture, table, |strip| summary.add(strip));
                 Ok::<_, Infallible>(summary.errors())

@@ -3,7 +3,7 @@
 use super::{BenchError, BenchSweep, BenchTime, Subject, convergence_order, run, timed};
 use crate::pipeline::{Run, Silent, build_in_memory};
 use crate::trace::{CameraTrace, Scene, TraceStrip, TraceSummary};
-use crate::verdict::{expected_rays, wanted_picture};
+use crate::verdict::{RimShift, expected_rays, wanted_picture};
 use std::convert::Infallible;
 
 /// Pixels to the side, as shares of the camera's own; and those of the truth.
@@ -54,7 +54,7 @@ fn estimate(subject: &Subject, scene: &Scene, scale: f64) -> (f64, f64) {
     let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
     let scaled = design.with_pixels(pixels);
     let trace = CameraTrace::new(scene, &scaled.camera, scene.above_mm());
-    let table = expected_rays(&scaled, 0.0);
+    let table = expected_rays(&scaled, RimShift::None);
     let mut summary = TraceSummary::default();
     let picture = wanted_picture(profile, &scaled);
     TraceStrip::each(&trace, None, picture, table, |strip| summary.add(strip));

@@ -7,8 +7,13 @@
 use super::ToolMove;
 use crate::geom::{Cutter, DVec2, DVec3};
 
-/// Halvings of the part of a move in which a bull-nosed cutter is lowest: heights are then off by far less than 1e-9 mm.
-const HALVINGS: usize = 40;
+/// The most steps to the place of a move in which a bull-nosed cutter is the lowest: halving alone leaves heights off by far less than 1e-9 mm.
+const STEPS: usize = 40;
+/// Height of a corner's middle over a place of it, as a share of its radius, below which the side is so steep that Newton's steps come to nothing: there
+/// intervals are halved.
+const STEEP: f64 = 0.2;
+/// The last step, mm: between the ends of a move heights are off by its square over the corner's radius, and slopes by itself over that.
+const LAST_MM: f64 = 1e-10;
 
 /// The lowest cutter of a move over a place of the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,16 +67,16 @@ impl CutterMove {
         if let Some(ball_mm) = self.cutter.ball_mm() {
             return lower_side(&self.centres, at, ball_mm).map(|(z, _)| z);
         }
-        self.lowest_tip(at).map(|(z, _)| z)
+        self.lowest_tip(at, f64::INFINITY).map(|(z, _)| z)
     }
 
-    /// The lowest cutter over a place; none where none comes.
-    pub(super) fn place(&self, at: DVec2) -> Option<CutterPlace> {
+    /// The lowest cutter over a place; none where none comes. It may be none too where it is above `most`, mm, which takes less time.
+    pub(super) fn place_below(&self, at: DVec2, most: f64) -> Option<CutterPlace> {
         if let Some(ball_mm) = self.cutter.ball_mm() {
             let (z_mm, slope) = lower_side(&self.centres, at, ball_mm)?;
             return Some(CutterPlace { z_mm, slope });
         }
-        let (z_mm, t) = self.lowest_tip(at)?;
+        let (z_mm, t) = self.lowest_tip(at, most)?;
         let [from, to] = self.tips;
         let off = at - from.truncate() - self.way * t;
         let beyond = off.length() - self.cutter.flat_mm();
@@ -90,8 +95,9 @@ impl CutterMove {
         slope.is_finite().then_some(CutterPlace { z_mm, slope })
     }
 
-    /// Z of the lowest cutter with a flat end over a place, and the way of its tip, mm; none where none comes.
-    fn lowest_tip(&self, at: DVec2) -> Option<(f64, f64)> {
+    /// Z of the lowest cutter with a flat end over a place, and the way of its tip, mm; none where none comes, or where it is
+    /// surely above `most`.
+    fn lowest_tip(&self, at: DVec2, most: f64) -> Option<(f64, f64)> {
         let [from, to] = self.tips;
         let on = at - from.truncate();
         if self.length == 0.0 {
@@ -108,43 +114,74 @@ impl CutterMove {
             return None;
         }
         let slope = (to.z - from.z) / self.length;
-        let t = self.lowest_place([along, beside], slope, [low, high]);
+        let left = most - from.z;
+        let t = self.lowest_place([along, beside], slope, [low, high], left)?;
         let off = f64::sqrt(beside * beside + (t - along) * (t - along));
         // (At an end of the part the distance is the radius but for rounding.)
         let side = self.cutter.height(off.min(self.cutter.radius_mm));
         Some((from.z + slope * t + side.unwrap_or(self.cutter.corner_mm), t))
     }
 
-    /// Where along the move, between two places of it, the cutter is lowest over a place.
-    fn lowest_place(&self, [along, beside]: [f64; 2], slope: f64, [low, high]: [f64; 2]) -> f64 {
-        if slope == 0.0 {
-            return along.clamp(low, high);
-        }
+    /// Where along the move, between two places of it, the cutter is lowest over a place; none where it is surely more than `most` above
+    /// where the move begins.
+    fn lowest_place(
+        &self,
+        [along, beside]: [f64; 2],
+        slope: f64,
+        [mut low, mut high]: [f64; 2],
+        most: f64,
+    ) -> Option<f64> {
         let Cutter { corner_mm, .. } = self.cutter;
+        if slope == 0.0 {
+            return Some(along.clamp(low, high));
+        }
         if corner_mm == 0.0 {
-            return if slope > 0.0 { low } else { high };
+            return Some(if slope > 0.0 { low } else { high });
         }
         let flat = self.cutter.flat_mm();
-        let falls = |t: f64| {
+        // Where it would be with the place on the move's line.
+        let steep = slope / f64::sqrt(1.0 + slope * slope);
+        let off = flat + corner_mm * steep.abs();
+        let before = f64::sqrt((off * off - beside * beside).max(0.0)) * slope.signum();
+        let mut t = (along - before).clamp(low, high);
+        for k in 0..STEPS {
             let off = f64::sqrt(beside * beside + (t - along) * (t - along));
-            let beyond = off - flat;
-            if beyond <= 0.0 {
-                return slope < 0.0;
-            }
+            let beyond = (off - flat).max(0.0);
             let square = corner_mm * corner_mm - beyond * beyond;
-            // The corner's slope x / sqrt(c^2 - x^2), steeper than any beyond the radius, times that of the distance.
-            let turn = (t - along) / off;
-            if !(square > 0.0) {
-                return turn < 0.0;
+            // The corner's slope x / sqrt(c^2 - x^2), times that of the distance; beyond the corner it is steeper than any.
+            let turn = if beyond > 0.0 { (t - along) / off } else { 0.0 };
+            let side = square.max(0.0).sqrt();
+            let rise = if side > 0.0 { slope + beyond / side * turn } else { turn * f64::INFINITY };
+            if rise < 0.0 {
+                low = t
+            } else {
+                high = t
             }
-            slope * square.sqrt() + beyond * turn < 0.0
-        };
-        let [mut low, mut high] = [low, high];
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if falls(middle) { low = middle } else { high = middle }
+            // A convex function is above its tangents.
+            let least = slope * t + corner_mm - side + (rise * (low - t)).min(rise * (high - t));
+            if least > most {
+                return None;
+            }
+            let radial = corner_mm * corner_mm / (side * side * side) * turn * turn;
+            let around = if beyond > 0.0 { beyond / side * (1.0 - turn * turn) / off } else { 0.0 };
+            let newton = t - rise / (radial + around);
+            if side >= STEEP * corner_mm && (newton - t).abs() < LAST_MM {
+                break;
+            }
+            // Of most moves an end is the lowest.
+            let next = match newton {
+                _ if side < STEEP * corner_mm => 0.5 * (low + high),
+                inside if low < inside && inside < high => inside,
+                outside if k == 0 && !outside.is_nan() => outside.clamp(low, high),
+                _ => 0.5 * (low + high),
+            };
+            let step = (next - t).abs();
+            t = next;
+            if step < LAST_MM {
+                break;
+            }
         }
-        0.5 * (low + high)
+        Some(t)
     }
 }
 

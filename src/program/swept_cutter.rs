@@ -8,8 +8,9 @@
 //! A tree of squares holds, in each square of the plan, the moves that may be the lowest there. A ball of radius `R + d` about
 //! the same centres is nowhere higher over a square's middle than the ball of radius `R` is over the square, whose corners are `d` from
 //! its middle; one of radius `R - d` is nowhere lower. So a move is left out of a square where its larger ball is above the
-//! smaller ball of another. Slopes of two balls whose centres are c apart in the plan differ by no more than `R^2 c / (R^2 - e^2)^1.5` within
-//! `e` of both centres, so a move is left out too where it is higher over the middle than the lowest ball by `d` times that.
+//! smaller ball of another. What one move leaves is convex too, as the lower side is: it is nowhere below its tangent over the middle. The lowest one over
+//! the middle is nowhere above its own tangent by more than `B d^2 / 2`, with the largest second derivative B of the lower side within `d` of the
+//! place that is over the middle. So a move is left out too where it is higher there by more than `|p - q| d + B d^2 / 2`, with both slopes p and q.
 //!
 //! Of a cutter with a flat end the larger one has a flat part wider by `d`, and the smaller one a flat part narrower by `d` or, where it is narrower
 //! than that, the ball that is left of it, as far up.
@@ -22,8 +23,8 @@ use crate::parallel;
 /// A square with so few moves is not divided, and the most divisions: to some hundredths of a millimetre.
 const FEW: usize = 12;
 const DEEPEST: usize = 11;
-/// The most divisions for a cutter with a flat end, of whose moves fewer are left out of a square: deeper ones take memory and spare little.
-const DEEPEST_FLAT: usize = 9;
+/// Divisions from which on a square of which no move was left out is not divided: many moves of a flat end may be as low as each other all over it.
+const DEEP: usize = 9;
 /// More than heights of a cutter with a flat end are off, mm.
 const ROUNDING_MM: f64 = 1e-9;
 /// Squares are divided by several threads down to this depth.
@@ -73,14 +74,15 @@ impl SweptCutter {
     /// The moves that may be the lowest in `rect`.
     fn square(&self, rect: Rect, mut steps: Vec<u32>, depth: usize) -> Square {
         let (middle, reach) = (rect.centre(), 0.5 * rect.size().length());
+        let given = steps.len();
         let surely = steps.iter().filter_map(|&k| self.lowest_within(k, middle, -reach));
-        // The flat end of a move over all of the square is as low for both, but for what halving leaves.
+        // The flat end of a move over all of the square is as low for both, but for rounding.
         let rounding = if self.cutter.ball_mm().is_some() { 0.0 } else { ROUNDING_MM };
         let most = surely.fold(f64::INFINITY, f64::min) + rounding;
         steps.retain(|&k| self.lowest_within(k, middle, reach).is_some_and(|z| z <= most));
         self.leave_higher(middle, reach, &mut steps);
-        let deepest = if self.cutter.ball_mm().is_some() { DEEPEST } else { DEEPEST_FLAT };
-        if steps.len() <= FEW || depth == deepest {
+        let is_in_vain = depth >= DEEP && steps.len() == given;
+        if steps.len() <= FEW || depth == DEEPEST || is_in_vain {
             steps.shrink_to_fit();
             return Square::Leaf(steps);
         }
@@ -112,28 +114,30 @@ impl SweptCutter {
         Some(moved.lowest(middle)? + raised)
     }
 
-    /// Leaves out moves that are higher than the lowest ball over `middle` all over a square of which no place is farther from
-    /// it than `reach`.
+    /// Leaves out moves that are higher than the lowest one over `middle` all over a square of which no place is farther from it than `reach`.
     fn leave_higher(&self, middle: DVec2, reach: f64, steps: &mut Vec<u32>) {
-        // Slopes of a flat end change at once.
-        let Some(radius) = self.cutter.ball_mm() else { return };
-        let over = |k: u32| lower_side(&self.ends[k as usize], middle, radius);
-        let lowest = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 < a.0 { b } else { a };
-        let Some((z, slope)) = steps.iter().filter_map(|&k| over(k)).reduce(lowest) else { return };
-        let centre = middle - slope * (radius / f64::sqrt(1.0 + slope.length_squared()));
-        steps.retain(|&k| {
-            let ends = self.ends[k as usize].map(|end| end.truncate());
-            let largest =
-                |from: DVec2| ends.map(|end| end.distance(from)).into_iter().fold(0.0, f64::max);
-            let far = largest(middle).max(centre.distance(middle)) + reach;
-            let left = radius * radius - far * far;
-            // Near the balls' sides, and of long moves, nothing is known so.
-            if !(left > 0.05 * radius * radius) {
-                return true;
-            }
-            let steeper = radius * radius / (left * f64::sqrt(left)) * largest(centre);
-            over(k).is_none_or(|(own, _)| own - z <= reach * steeper)
-        });
+        if !(self.cutter.corner_mm > reach) {
+            return;
+        }
+        let places: Vec<_> = steps.iter().map(|&k| self.of_step(k as usize, middle)).collect();
+        let lower = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 < a.0 { b } else { a };
+        let Some((z, slope)) = places.iter().flatten().copied().reduce(lower) else { return };
+        let Some(bend) = self.most_bent(slope, reach) else { return };
+        let is_higher = |&(own, way): &(f64, DVec2)| {
+            own - z > reach * ((slope - way).length() + 0.5 * reach * bend) + ROUNDING_MM
+        };
+        let mut places = places.iter();
+        steps.retain(|_| !places.next().and_then(Option::as_ref).is_some_and(is_higher));
+    }
+
+    /// The largest second derivative of the lower side of a cutter, 1/mm, within `reach` mm of a place of it with this slope; none where its side
+    /// is too near, and of a flat end, whose slopes change at once.
+    fn most_bent(&self, slope: DVec2, reach: f64) -> Option<f64> {
+        let corner = self.cutter.corner_mm;
+        let steep = slope.length();
+        let beyond = corner * steep / f64::sqrt(1.0 + steep * steep) + reach;
+        let square = corner * corner - beyond * beyond;
+        (square > 0.05 * corner * corner).then(|| corner * corner / (square * square.sqrt()))
     }
 
     /// The cutter.
@@ -154,7 +158,9 @@ impl SweptCutter {
         let Square::Leaf(steps) = square else { return None };
         let mut lowest: Option<SweptPlace> = None;
         for &k in steps {
-            let Some((z_mm, slope)) = self.of_step(k as usize, at) else { continue };
+            let most = lowest.map_or(f64::INFINITY, |lowest| lowest.z_mm + ROUNDING_MM);
+            let place = self.step_below(k as usize, at, most);
+            let Some(CutterPlace { z_mm, slope }) = place else { continue };
             if lowest.is_none_or(|lowest| z_mm < lowest.z_mm) {
                 lowest = Some(SweptPlace { z_mm, slope, step: k as usize });
             }
@@ -165,14 +171,18 @@ impl SweptCutter {
     /// Z and slope of the lower side of the cutters of one move over a place of the plan.
     #[must_use]
     pub fn of_step(&self, step: usize, at: DVec2) -> Option<(f64, DVec2)> {
+        let CutterPlace { z_mm, slope } = self.step_below(step, at, f64::INFINITY)?;
+        Some((z_mm, slope))
+    }
+
+    /// The same; it may be none too where it is above `most`, mm.
+    fn step_below(&self, step: usize, at: DVec2, most: f64) -> Option<CutterPlace> {
         let ends = self.ends[step];
         match self.cutter.ball_mm() {
-            Some(ball_mm) => lower_side(&ends, at, ball_mm),
-            None => {
-                let CutterPlace { z_mm, slope } =
-                    CutterMove::between(ends, self.cutter).place(at)?;
-                Some((z_mm, slope))
+            Some(ball_mm) => {
+                lower_side(&ends, at, ball_mm).map(|(z_mm, slope)| CutterPlace { z_mm, slope })
             }
+            None => CutterMove::between(ends, self.cutter).place_below(at, most),
         }
     }
 }
@@ -223,13 +233,50 @@ mod tests {
         }
     }
 
+    /// A bull-nosed cutter along dense lines over a dome: most moves are left out of a square, and none that is the lowest in it.
+    #[test]
+    fn few_of_dense_lines_are_left_in_a_square() {
+        let cutter = Cutter { radius_mm: 1.2, corner_mm: 0.3 };
+        let tip = |x: f64, y: f64| {
+            let at = DVec2::new(x - 5.0, y - 4.0);
+            DVec3::new(x, y, -at.length_squared() / 40.0)
+        };
+        let mut moves = Vec::new();
+        for line in 0..160 {
+            let y = 0.05 * f64::from(line);
+            let step = |n: i32| {
+                let [from, to] = [n, n + 1].map(|n| tip(0.25 * f64::from(n), y));
+                ToolMove { from, to, feed: Some(1.0), line: 1 }
+            };
+            moves.extend((0..40).map(step));
+        }
+        let swept = SweptCutter::new(&moves, cutter, [DVec2::splat(1.5), DVec2::new(8.5, 6.5)]);
+        let most = leaves(&swept.root).into_iter().max().unwrap();
+        assert!(most <= 5 * FEW, "{most} of {}", moves.len());
+        for k in 0..400 {
+            let at = DVec2::new(1.5 + f64::from(k % 20) * 0.349, 1.5 + f64::from(k / 20) * 0.249);
+            let all = (0..moves.len()).filter_map(|k| swept.of_step(k, at));
+            let least = all.map(|(z, _)| z).reduce(f64::min).unwrap();
+            let found = swept.lowest(at).unwrap().z_mm;
+            assert!((found - least).abs() < 1e-12, "{at}: {found} {least}");
+        }
+    }
+
+    /// Moves in each leaf.
+    fn leaves(square: &Square) -> Vec<usize> {
+        match square {
+            Square::Leaf(steps) => vec![steps.len()],
+            Square::Divided(parts) => parts.iter().flat_map(leaves).collect(),
+        }
+    }
+
     fn held_against_all(swept: &SweptCutter, moves: usize) {
         for k in 0..5000 {
             let at = DVec2::new(f64::from(k % 100) * 0.0999, f64::from(k / 100) * 0.159);
             let of = |k: usize| swept.of_step(k, at).map(|(z, _)| z);
             let least = (0..moves).filter_map(of).reduce(f64::min);
             let found = swept.lowest(at);
-            // (The places of cutters with a flat end are found by halving.)
+            // (Of many moves with a flat end some are told by bounds.)
             let rounding = if swept.cutter().ball_mm().is_some() { 0.0 } else { 1e-12 };
             let off = found.zip(least).map_or(0.0, |(found, least)| (found.z_mm - least).abs());
             let is_it = found.is_some() == least.is_some() && off <= rounding;

@@ -74,7 +74,8 @@ pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
 /// The same at a tenth of the cost, unless numbers of vertices around one on the rim balance each other by
 /// chance: then some are missing. Around a vertex within a surface each neighbour is the next corner of one
 /// facet and the last of another.
-pub(super) fn likely_open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
+#[must_use]
+pub(crate) fn likely_open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
     let mut balance = vec![0u32; mesh.vertices.len()];
     for &[a, b, c] in &mesh.triangles {
         for (v, next, last) in [(a, b, c), (b, c, a), (c, a, b)] {

@@ -7,6 +7,7 @@ mod defect;
 mod skirt;
 
 pub use cavity::HollowSpace;
+pub(crate) use check::likely_open_edges;
 pub use check::{check, open_edges};
 pub use defect::{Defect, OpenBoundary, SolidCheck};
 pub use skirt::Rim;
@@ -117,7 +118,7 @@ impl Solid {
         }
         // A solid shows that no edge of the rim is missing.
         let on_rim = |edges| Self::on_rim(edges, face, (features, room), precision);
-        on_rim(check::likely_open_edges(face)).or_else(|_| on_rim(check::open_edges(face)))
+        on_rim(likely_open_edges(face)).or_else(|_| on_rim(check::open_edges(face)))
     }
 
     /// The same with a rim of these edges.

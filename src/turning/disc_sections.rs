@@ -15,6 +15,11 @@ const RADII: usize = 48;
 const STEPS: usize = 100;
 /// What is left of the azimuth, radians, at which they end.
 const EXACT: f64 = 1e-14;
+/// Steps, at most, to the place that a circle touches: from the place at the azimuth before a few suffice.
+const TOUCHING_STEPS: usize = 40;
+/// What is left of its distance from the axis and from the half-plane, mm, at which they end: the centre is as high as circles through any place come, and
+/// off by the square of what is left over twice the circle's radius; beside the half-plane the surface is known by its slope.
+const LEFT_MM: f64 = 1e-7;
 /// Distance from the axis, mm, within which places are taken for those so far from it: a nanometre, where all directions are told apart.
 const NEAR_AXIS_MM: f64 = 1e-6;
 
@@ -30,6 +35,17 @@ pub struct DiscSections<'a> {
     around_mm: Option<f64>,
     /// Places all over the disc.
     places: Vec<DiscPlace>,
+}
+
+/// A circle in the half-plane of an azimuth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Circle {
+    /// Its radius, mm.
+    pub reach_mm: f64,
+    /// Distance of its centre from the axis, mm.
+    pub x_mm: f64,
+    /// The largest distance from the axis of a place that it may touch, mm.
+    pub most_mm: f64,
 }
 
 /// A place of a disc.
@@ -142,6 +158,36 @@ impl<'a> DiscSections<'a> {
     #[must_use]
     pub fn at(&self, azimuth: f64, radius_mm: f64) -> Option<MeridianPlace> {
         self.place(azimuth, radius_mm).map(|place| place.section)
+    }
+
+    /// The place of the section at an azimuth, radians, that a circle touches: by Newton's method for its distance from the axis and for the
+    /// chart's coordinates of the line along Z there, from `start` on or from far; and the coordinates. None where it finds none.
+    #[must_use]
+    pub(super) fn touched(
+        &self,
+        azimuth: f64,
+        circle: &Circle,
+        start: Option<DVec2>,
+    ) -> Option<(MeridianPlace, DVec2)> {
+        let &Circle { reach_mm, x_mm, most_mm } = circle;
+        let out = DVec2::new(cos(azimuth), sin(azimuth));
+        let mut q = start.unwrap_or(x_mm.min(most_mm) * out);
+        for _ in 0..TOUCHING_STEPS {
+            let (local, jacobian) = self.mirror.extended_surface_and_jacobian(q);
+            let at = local.at.truncate();
+            let mut place = turned(&local, azimuth, out, at.dot(out)).section;
+            let off = place.at.x - reach_mm * place.slope / place.stretch() - x_mm;
+            // Where the circle fits, its centre goes outwards with the place that it touches.
+            let rate = (1.0 - reach_mm * place.curvature).max(0.1);
+            let radius_mm = (place.at.x - off / rate).min(most_mm);
+            let beside = place.at.x * out - at;
+            if (radius_mm - place.at.x).abs().max(beside.length()) < LEFT_MM {
+                place.at.y += local.slope.dot(beside);
+                return Some((place, q));
+            }
+            q += jacobian.step(radius_mm * out - at);
+        }
+        None
     }
 
     /// Where the tool leaves the section at an azimuth, radians: on the rim, or on the circle around a rectangle; none where there is no

@@ -1,17 +1,12 @@
 //! The heights at which a nose touches a disc, over its distance from the axis, at evenly spaced azimuths.
 
 use super::TurningError;
-use super::disc_sections::DiscSections;
+use super::disc_sections::{Circle, DiscSections};
 use super::meridian::MeridianPlace;
 use crate::geom::DVec2;
 use crate::num::{degrees, exp};
 use crate::parallel;
 use std::f64::consts::TAU;
-
-/// Steps of Newton's method from a nose's distance from the axis to that of the place that it touches, at most.
-const STEPS: usize = 40;
-/// What is left of that distance, mm, at which they end.
-const EXACT_MM: f64 = 1e-11;
 
 /// Where the centre of a circle is that touches a disc at each azimuth, and beside it goes on smoothly.
 ///
@@ -64,27 +59,27 @@ impl<'a> NoseHeights<'a> {
     /// # Errors
     /// [`TurningError::NoSection`].
     pub(super) fn over(&self, k: usize, x_mm: f64) -> Result<f64, TurningError> {
+        Ok(self.touching(k, x_mm, None)?.0)
+    }
+
+    /// The same, and the chart's coordinates of the place that it touches, which is searched for from `start` on.
+    fn touching(
+        &self,
+        k: usize,
+        x_mm: f64,
+        start: Option<DVec2>,
+    ) -> Result<(f64, Option<DVec2>), TurningError> {
         let (rim, centre) = &self.rims[k];
         if x_mm >= centre.x {
-            return Ok(self.beside(rim, *centre, x_mm));
+            return Ok((self.beside(rim, *centre, x_mm), None));
         }
         let azimuth = TAU * k as f64 / self.per_turn() as f64;
-        let place = |radius_mm: f64| {
-            self.sections.at(azimuth, radius_mm).ok_or_else(|| lost(azimuth, radius_mm))
-        };
-        let mut touched = place(x_mm.min(rim.at.x))?;
-        for _ in 0..STEPS {
-            let stretch = touched.stretch();
-            let off = touched.at.x - self.reach_mm * touched.slope / stretch - x_mm;
-            if off.abs() < EXACT_MM {
-                break;
-            }
-            // Where the circle fits, its centre goes outwards with the place that it touches.
-            let rate = (1.0 - self.reach_mm * touched.curvature).max(0.1);
-            touched = place((touched.at.x - off / rate).min(rim.at.x))?;
-        }
+        let circle = Circle { reach_mm: self.reach_mm, x_mm, most_mm: rim.at.x };
+        let from = |start: Option<DVec2>| self.sections.touched(azimuth, &circle, start);
+        let touched = from(start).or_else(|| from(None));
+        let (touched, q) = touched.ok_or_else(|| lost(azimuth, x_mm))?;
         let depth = self.reach_mm * self.reach_mm - (touched.at.x - x_mm) * (touched.at.x - x_mm);
-        Ok(touched.at.y + depth.max(0.0).sqrt())
+        Ok((touched.at.y + depth.max(0.0).sqrt(), Some(q)))
     }
 
     /// Z of the centre beside the mirror.
@@ -144,15 +139,21 @@ impl NoseSpiral {
     pub(super) fn places(&self, heights: &NoseHeights) -> Result<Vec<DVec2>, TurningError> {
         let per_turn = heights.per_turn();
         let turns = self.turns() as usize;
-        let place = |turn: usize, k: usize| {
-            let x = self.at(turn as f64 + k as f64 / per_turn as f64);
-            Ok::<_, TurningError>(DVec2::new(x, heights.over(k, x)?))
+        let x_mm = |turn: usize, k: usize| self.at(turn as f64 + k as f64 / per_turn as f64);
+        let turn = |turn: usize| {
+            let mut touched = None;
+            let place = |k: usize| {
+                let x = x_mm(turn, k);
+                let (z, near) = heights.touching(k, x, touched)?;
+                touched = near;
+                Ok::<_, TurningError>(DVec2::new(x, z))
+            };
+            (0..per_turn).map(place).collect::<Result<Vec<_>, _>>()
         };
-        let all = parallel::map(turns, 1, |turn| {
-            (0..per_turn).map(|k| place(turn, k)).collect::<Result<Vec<_>, _>>()
-        });
+        let all = parallel::map(turns, 1, turn);
         let mut places = all.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
-        places.push(place(turns, 0)?);
+        let end = x_mm(turns, 0);
+        places.push(DVec2::new(end, heights.over(0, end)?));
         Ok(places)
     }
 }

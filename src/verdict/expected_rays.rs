@@ -5,21 +5,55 @@ use crate::geom::{DVec2, DVec3};
 use crate::optics::{ReflectedRay, ShownContent, reflect};
 use crate::trace::{ExpectedRay, PixelRay};
 
+/// More than coordinates of the chart change with a place of the plan.
+const NEAR: f64 = 4.0;
+
+/// Where the camera sees the rim of what is traced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum RimShift {
+    /// Where the mirror's is.
+    None,
+    /// Where that of facets is, each of whose places is up to so many millimetres above or below a place of the mirror, on its chart's rays.
+    Facets(f64),
+    /// Where that of a part as cut is, which is so many millimetres above or below the mirror's, and in the plan there; but no more than a pixel
+    /// farther, beyond which the picture ends elsewhere.
+    Cut(f64),
+}
+
 /// The table of expected rays, of neighbours in a row of the sensor from a column and a row on, from their camera rays.
-/// Rays that may pass by the rim of facets `chord_mm` off the mirror are not aimed at it.
+/// Rays that may pass by the `rim` of what is traced are not aimed at it.
 pub(crate) fn expected_rays(
     design: &Design,
-    chord_mm: f64,
+    rim: RimShift,
 ) -> impl Fn([u32; 2], &[PixelRay]) -> Vec<ExpectedRay> {
     let Design { mirror, view, camera, .. } = design;
     let outline = mirror.full_outline();
-    // The mirror's own camera sees the rim of the facets where the mirror's is.
-    let off_mm = if camera.chart == mirror.chart { 0.0 } else { chord_mm };
-    let needs_place = off_mm != 0.0 || view.as_ref().is_some_and(|view| !view.is_at_infinity());
-    let beside = move |at: DVec3, along: DVec3, normal: DVec3| {
-        let step = along * (off_mm * normal.z / along.dot(normal));
-        let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
-        !(aims(at + step) && aims(at - step))
+    let shifts = rim != RimShift::None;
+    let needs_place = shifts || view.as_ref().is_some_and(|view| !view.is_at_infinity());
+    let plan = mirror.chart.parallel();
+    let beside = move |place: DVec2, at: DVec3, along: DVec3, normal: DVec3| {
+        let step = |mm: f64| along * (mm * normal.z / along.dot(normal));
+        match rim {
+            RimShift::None => false,
+            RimShift::Facets(mm) => {
+                let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
+                !(aims(at + step(mm)) && aims(at - step(mm)))
+            }
+            RimShift::Cut(mm) => {
+                let step = step(mm);
+                let apart = step.truncate().length();
+                let step = step * (camera.pixel_mm / apart).min(1.0);
+                // Far from the rim nothing passes by it.
+                let reach = NEAR * apart.min(camera.pixel_mm);
+                let ways = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
+                let is_far = ways.into_iter().all(|way| outline.aims(place + reach * way));
+                let aims = |at: DVec3| {
+                    let under = mirror.intersect_camera_ray_near(&plan, at.truncate(), at.z);
+                    under.is_some_and(|place| outline.aims(place))
+                };
+                !(is_far || aims(at + step) && aims(at - step))
+            }
+        }
     };
     let turn = |column: u32| {
         let x = camera.image_point(f64::from(column) + 0.5, 0.0).x;
@@ -48,7 +82,7 @@ pub(crate) fn expected_rays(
             let arriving = rays[k].ray.direction;
             let normal = mirror.normal(place, designed);
             let at = if needs_place { mirror.position(place, designed) } else { DVec3::ZERO };
-            expected[k].aimed = off_mm == 0.0 || !beside(at, arriving, normal);
+            expected[k].aimed = !beside(place, at, arriving, normal);
             if let (true, Some(view)) = (expected[k].aimed, view) {
                 let wanted = view.wanted((near, turn), rise);
                 expected[k].direction = view.direction_to(&wanted, at);

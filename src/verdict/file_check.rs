@@ -1,7 +1,7 @@
 //! What the bytes of one file showed: as a solid, at its vertices, and to the camera's rays.
 
 use super::cut_slopes::CutSlopes;
-use super::expected_rays::expected_rays;
+use super::expected_rays::{RimShift, expected_rays};
 use super::vertex_check::worst_vertex;
 use crate::brep::{Body, BodyFacts};
 use crate::design::Design;
@@ -103,13 +103,13 @@ impl FileCheck {
         (promise, shortcuts): (Promise, bool),
         each: EachStrip,
     ) -> (Self, TraceCounts) {
-        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex, closed, slopes } =
-            checked;
+        let CheckedMesh { reread, solid, vertex, closed, slopes, rim_mm } = checked;
+        let ImportedMesh { mesh, normals } = reread;
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = Scene::for_cameras(mesh, closed).among(obstacles.map(Arc::new));
         let slopes = slopes.as_ref().map(|slopes| slopes as &dyn FaceSlopes);
         let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm()).with_slopes(slopes);
-        let tracing = FileTrace { profile, design, promise, shortcuts };
+        let tracing = FileTrace { profile, design, promise, shortcuts, rim_mm };
         let height = |facet: u32| {
             let corners = scene.mesh().corners(facet as usize);
             corners.iter().fold(f64::NEG_INFINITY, |top, v| top.max(v.z))
@@ -137,7 +137,7 @@ impl FileCheck {
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = BodyScene::new(body, obstacles.map(Arc::new));
         let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
-        let tracing = FileTrace { profile, design, promise, shortcuts };
+        let tracing = FileTrace { profile, design, promise, shortcuts, rim_mm: None };
         let height = |face: u32| scene.body().top_of(face);
         let seen = tracing.run(trace, None, &height, each);
         tracing.check(seen, (file, CadFormat::Step.into()), solid)
@@ -161,6 +161,8 @@ struct FileTrace<'a> {
     design: &'a Design,
     promise: Promise,
     shortcuts: bool,
+    /// The largest height of its rim over the mirror or below it, mm, where that is known.
+    rim_mm: Option<f64>,
 }
 
 /// What the camera's rays show of a file.
@@ -182,9 +184,15 @@ impl FileTrace<'_> {
         height: &dyn Fn(u32) -> f64,
         each: EachStrip,
     ) -> SeenFile {
-        let Self { profile, design, promise, shortcuts } = self;
+        let Self { profile, design, promise, shortcuts, rim_mm } = self;
         let trace = if *shortcuts { trace } else { trace.without_shortcuts() };
-        let table = expected_rays(design, promise.chord_mm);
+        let rim = match rim_mm {
+            Some(mm) => RimShift::Cut(*mm),
+            // The mirror's own camera sees the rim of its facets where the mirror's is.
+            None if design.camera.chart == design.mirror.chart => RimShift::None,
+            None => RimShift::Facets(promise.chord_mm),
+        };
+        let table = expected_rays(design, rim);
         let (picture, has_normals) = (wanted_picture(profile, design), normals.is_some());
         let (mut summary, mut by_rim) = (TraceSummary::default(), 0);
         let mut frame = picture.map(|_| FrameFillBuilder::default());
@@ -251,6 +259,8 @@ pub(crate) struct CheckedMesh {
     closed: bool,
     /// Slopes of its face, where they are not those of its facets.
     slopes: Option<CutSlopes>,
+    /// The largest height of its rim over the mirror or below it, mm, of one as cut.
+    rim_mm: Option<f64>,
 }
 
 impl CheckedMesh {
@@ -270,16 +280,23 @@ impl CheckedMesh {
                 FormedFace::of(tool, &design.mirror, &reread.mesh);
             let vertex = worst_vertex.map(facts);
             let formed = ImportedMesh { mesh, normals: None };
-            return Self { reread: formed, solid, vertex, closed: false, slopes: None };
+            return Self {
+                reread: formed,
+                solid,
+                vertex,
+                closed: false,
+                slopes: None,
+                rim_mm: None,
+            };
         }
         let vertex = worst_vertex(design, vertices).map(facts);
         let closed = check.closed && check.oriented && check.manifold;
-        Self { reread, solid, vertex, closed, slopes: None }
+        Self { reread, solid, vertex, closed, slopes: None, rim_mm: None }
     }
 
-    /// The same with the slopes of a face as cut, if its facets have not got them.
-    pub(crate) fn with_slopes(self, slopes: Option<CutSlopes>) -> Self {
-        Self { slopes, ..self }
+    /// The same of a face as cut, with its slopes, if its facets have not got them, and a rim up to `rim_mm` above or below the mirror.
+    pub(crate) fn of_cut(self, slopes: Option<CutSlopes>, rim_mm: f64) -> Self {
+        Self { slopes, rim_mm: Some(rim_mm), ..self }
     }
 }
 

@@ -3,6 +3,7 @@
 mod axis_faults;
 mod bar_on_lathe;
 mod cusp_search;
+mod cut_rim;
 mod cut_slopes;
 mod cutter_survey;
 mod expected_rays;
@@ -22,10 +23,11 @@ mod vertex_check;
 
 pub(crate) use axis_faults::axis_faults;
 pub(crate) use bar_on_lathe::{BarOnLathe, CutTask, TurnedLeft};
+pub(crate) use cut_rim::rim_height_mm;
 pub(crate) use cut_slopes::CutSlopes;
 pub use cutter_survey::MachiningOptions;
 pub(crate) use cutter_survey::{CutterSurvey, analysis_of, directed, stock_corners};
-pub(crate) use expected_rays::expected_rays;
+pub(crate) use expected_rays::{RimShift, expected_rays};
 pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, HeldTo, wanted_picture};
 pub(crate) use milled_block::{MilledBlock, ProgramLeft, room_for_picture, stepover_for_picture};
 pub(crate) use program_cut::ProgramCut;

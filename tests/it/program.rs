@@ -5,6 +5,7 @@ use crate::support::builds::{SMALL, edited, folder, morion, parsed, save, told};
 use crate::support::{designed, share, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::{cos, sin};
 use morion::internals::pipeline::{Command, MachiningOptions, Silent, Verify, VerifyOptions};
 use morion::internals::profile::Profile;
 use morion::internals::results::{
@@ -284,6 +285,103 @@ fn cutters_with_a_flat_end_leave_the_envelope_of_their_edge() {
             "{least} {most}: {facts:?}"
         );
     }
+}
+
+/// A dome of 30 mm radius below a camera at 40 mm.
+fn dome(part: &str, pixels: [u32; 2], layout: &str) -> Profile {
+    parsed(&format!(
+        "{layout}camera.pinhole = {{ pixels = {pixels:?}, hfov_deg = 40, distance_mm = 40 }}\n\
+         mirror.polynomial = {{ radius_mm = -30, conic = 0 }}\n\
+         part = {{ {part}, base_mm = 5 }}\nmesh.chord_um = 2\nexport.formats = [\"stl\"]\n"
+    ))
+}
+
+/// The camera sees the rim of a part elsewhere that is cut deeper, or less deep, all over: no ray that may pass by it is held against the part.
+#[test]
+fn a_rim_that_is_cut_too_deep_is_where_the_camera_sees_it() {
+    let given = dome("width_mm = 20, height_mm = 15", [320, 240], "");
+    let program = raster(&designed(&given), 1.5, 0.15, 0.5);
+    rims_are_seen(&given, &program);
+    // A mirror that is designed for its camera has the camera's chart. The outer columns are a tenth of a pixel within the rim.
+    let own = parsed(
+        "camera.pinhole = { pixels = [320, 240], hfov_deg = 40, distance_mm = 40 }\n\
+         projection.perspective = { hfov_deg = 60 }\nlayout.rectangle = {}\nmethod.vector-field.degree = 12\n\
+         part = { width_mm = 19.94, base_mm = 5 }\nmesh.facet_px = 1\nexport.formats = [\"stl\"]\n",
+    );
+    let program = raster(&designed(&own), 1.5, 0.15, 0.5);
+    rims_are_seen(&own, &program);
+}
+
+fn rims_are_seen(profile: &Profile, program: &str) {
+    let moved = |up_mm: f64| -> String {
+        let line = |line: &str| match line.split_once('Z') {
+            Some((before, z)) => {
+                let (z, rest) = z.split_once(' ').unwrap_or((z, ""));
+                format!("{before}Z{:.4} {rest}\n", z.parse::<f64>().unwrap() + up_mm)
+            }
+            None => format!("{line}\n"),
+        };
+        program.lines().map(line).collect()
+    };
+    let [own, lower, higher] = [0.0, -0.05, 0.05].map(|up_mm| {
+        let found = verified(profile, &moved(up_mm), 1.5);
+        let facts = found.program.as_ref().unwrap();
+        assert!((facts.lowest.off_um - 1e3 * up_mm).abs() < 12.0, "{facts:?}");
+        let trace = &found.trace[0];
+        assert_eq!(trace.missed, 0, "{up_mm}: {trace:?}");
+        trace.rays
+    });
+    // Less than half a row of pixels at each side.
+    let [columns, rows] = designed(profile).camera.pixels;
+    let most = (columns + rows) as usize;
+    assert!(
+        lower < own && higher < own && lower.min(higher) + most > own,
+        "{own} {lower} {higher}"
+    );
+}
+
+/// Circles of a bull-nosed cutter about the axis of a dome leave cusps of its corner: `w^2 / 8 (1 / c + 1 / R)`, w along the dome.
+#[test]
+fn a_bull_nosed_cutter_in_circles_leaves_the_cusps_of_its_corner() {
+    let profile = dome("width_mm = 18", [80, 80], "layout.disc = {}\n");
+    let design = designed(&profile);
+    let top_mm = design.mirror.position(DVec2::ZERO, &design.mirror.at(DVec2::ZERO)).z;
+    let (radius_mm, corner_mm, apart_mm) = (2.0, 0.6, 0.12);
+    let mut program = String::from("G21 G90\nG0 Z40\n");
+    for k in 0..78 {
+        let touched = (f64::from(k) + 0.5) * apart_mm;
+        let upright = f64::sqrt(900.0 - touched * touched) / 30.0;
+        // The corner's circle touches the dome on the side of the axis.
+        let out = touched * (1.0 + corner_mm / 30.0) + radius_mm - corner_mm;
+        let tip = top_mm - (30.0 + corner_mm) * (1.0 - upright);
+        let at = |n: i32| {
+            let angle = f64::from(n) * std::f64::consts::TAU / 720.0;
+            format!("X{:.5} Y{:.5} Z{tip:.6}", out * cos(angle), out * sin(angle))
+        };
+        writeln!(program, "G0 {}\nG1 {} F300", at(0), at(0)).unwrap();
+        (1..=720).for_each(|n| writeln!(program, "{}", at(n)).unwrap());
+        writeln!(program, "G0 Z40").unwrap();
+    }
+    let folder = folder();
+    let path = folder.path().join("part.ngc");
+    std::fs::write(&path, program + "M2\n").unwrap();
+    let options = VerifyOptions {
+        cutter_mm: Some(radius_mm),
+        corner_mm: Some(corner_mm),
+        ..VerifyOptions::default()
+    };
+    let verify = Verify { path: &path, options };
+    let found = verify.in_memory(&profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0;
+    let facts = found.program.unwrap_or_else(|| panic!("{:?}", found.reasons));
+    assert_eq!(facts.slopes, SlopeOrigin::Path);
+    // (Of tips, which are farther apart on a dome than places of contact.)
+    assert!((1.0..1.06).contains(&(facts.apart_mm / apart_mm)), "{facts:?}");
+    let [x, y, _] = facts.highest.at_mm;
+    let along = apart_mm / f64::sqrt(1.0 - (x * x + y * y) / 900.0);
+    let cusp_um = 125.0 * along * along * (1.0 / corner_mm + 1.0 / 30.0);
+    assert!((facts.highest.off_um / cusp_um - 1.0).abs() < 0.05, "{cusp_um}: {facts:?}");
+    assert!(facts.lowest.off_um.abs() < 0.2, "{facts:?}");
+    assert_eq!(found.trace[0].missed, 0, "{:?}", found.trace[0]);
 }
 
 /// Radii of cutters that contradict each other, or the file, are refused by name.
