@@ -49,9 +49,9 @@ def test_a_program_is_verified_with_the_tool_that_it_moves(
     report = morion.program(small, tmp_path)
     assert report.folder == tmp_path / "small" / "program"
     finishing = report.folder / "finishing.ngc"
-    foreseen = report["as_cut"]["trace"]["errors"]["facet_error_px"]["rms"]
+    foreseen = report["as_cut"]["trace"]["facet_error_px"]["rms"]
     found = morion.verify(small, finishing, ball_mm=report["program"]["ball_mm"])
-    cut = found["trace"][0]["errors"]["facet_error_px"]["rms"]
+    cut = found["trace"][0]["facet_error_px"]["rms"]
     assert abs(cut / foreseen - 1.0) < 0.01
     bull = morion.verify(small, finishing, cutter_mm=3.0, corner_mm=1.0)
     assert bull["program"]["corner_mm"] == 1.0 and bull.verdict == "fail"

@@ -160,8 +160,8 @@ impl<'a> DiscSections<'a> {
         self.place(azimuth, radius_mm).map(|place| place.section)
     }
 
-    /// The place of the section at an azimuth, radians, that a circle touches: by Newton's method for its distance from the axis and for the
-    /// chart's coordinates of the line along Z there, from `start` on or from far; and the coordinates. None where it finds none.
+    /// The place of the section at an azimuth, radians, that a circle touches, and its coordinates on the chart: by Newton's method for both its distance from
+    /// the axis and these coordinates, from coordinates near them on; without them from those that the circle's centre has. None where it finds none.
     #[must_use]
     pub(super) fn touched(
         &self,
