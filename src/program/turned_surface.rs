@@ -19,8 +19,6 @@ pub struct TurnedSurface {
     nose_mm: f64,
     /// Feed moves and dwells that turn the part.
     passes: Vec<TurningPass>,
-    /// The numbers after the last pass of each stretch in which both ends of passes rise, or fall as the part turns back.
-    stretches: Vec<usize>,
     turns: f64,
 }
 
@@ -68,30 +66,6 @@ impl PassRun {
     }
 }
 
-/// The numbers after the last pass of each stretch in which both ends of passes rise, or fall as the part turns back.
-fn stretches(passes: &[TurningPass]) -> Vec<usize> {
-    let goes_on = |a: &TurningPass, b: &TurningPass| {
-        let ([a_begin, a_end], [b_begin, b_end]) = (a.span(), b.span());
-        let way = a.turns.signum();
-        way * b.turns > 0.0 && way * (b_begin - a_begin) >= 0.0 && way * (b_end - a_end) >= 0.0
-    };
-    let ends = passes.windows(2).enumerate();
-    let mut ends: Vec<usize> =
-        ends.filter(|(_, pair)| !goes_on(&pair[0], &pair[1])).map(|(k, _)| k + 1).collect();
-    ends.extend((!passes.is_empty()).then_some(passes.len()));
-    ends
-}
-
-/// How many passes of a stretch, the first at least, come before those that are not `before`, which are its last: by steps that double, and halving.
-fn passed(stretch: &[TurningPass], before: impl Fn(&TurningPass) -> bool) -> usize {
-    let mut step = 1;
-    while stretch.get(step).is_some_and(&before) {
-        step *= 2;
-    }
-    let known = step / 2 + 1;
-    known + stretch[known..stretch.len().min(step)].partition_point(before)
-}
-
 impl TurnedSurface {
     /// The surface that a nose leaves whose tool point, a radius nearer to the axis and lower than its centre, follows a path.
     #[must_use]
@@ -106,8 +80,7 @@ impl TurnedSurface {
                 all += turns.abs();
             }
         }
-        let stretches = stretches(&passes);
-        Self { nose_mm, passes, stretches, turns: all }
+        Self { nose_mm, passes, turns: all }
     }
 
     /// Turns of the spindle on all moves with a feed.
@@ -125,48 +98,27 @@ impl TurnedSurface {
     /// Circles of the nose as that azimuth passes it, in the order of the moves.
     pub(super) fn circles(&self, share: f64) -> Vec<NoseCircle> {
         let mut circles = Vec::new();
-        self.each_pass(share, |pass, turn| {
-            let (centre, step) = (pass.centre(turn), pass.step);
-            circles.push(NoseCircle { centre, step, turn, is_beyond: false });
-        });
-        // On the other side of the axis.
-        self.each_pass(share + 0.5, |pass, turn| {
-            if pass.from.x.min(pass.to.x) < self.nose_mm {
-                let at = pass.centre(turn);
-                let centre = DVec2::new(-at.x, at.y);
-                circles.push(NoseCircle { centre, step: pass.step, turn, is_beyond: true });
+        for pass in &self.passes {
+            let [begin, end] = pass.span();
+            let mut turn = share + (begin - share).ceil();
+            while turn <= end {
+                let (centre, step) = (pass.centre(turn), pass.step);
+                circles.push(NoseCircle { centre, step, turn, is_beyond: false });
+                turn += 1.0;
             }
-        });
-        circles.retain(|circle| circle.centre.x > -self.nose_mm);
-        circles.sort_by_key(|circle| circle.step);
-        circles
-    }
-
-    /// All moments, in turns, at which the spindle has made this share of a turn and whole ones, each with its pass, in the order of the passes.
-    fn each_pass(&self, share: f64, mut found: impl FnMut(&TurningPass, f64)) {
-        let mut begun = 0;
-        for &ends in &self.stretches {
-            let mut rest = &self.passes[begun..ends];
-            begun = ends;
-            while let Some(pass) = rest.first() {
-                let [begin, end] = pass.span();
-                let first_whole = |begin: f64| (begin - share).ceil();
-                let whole = first_whole(begin);
-                let first = share + whole;
-                let mut turn = first;
+            // On the other side of the axis.
+            if pass.from.x.min(pass.to.x) < self.nose_mm {
+                let mut turn = share + 0.5 + (begin - share - 0.5).ceil();
                 while turn <= end {
-                    found(pass, turn);
+                    let at = pass.centre(turn);
+                    let centre = DVec2::new(-at.x, at.y);
+                    circles.push(NoseCircle { centre, step: pass.step, turn, is_beyond: true });
                     turn += 1.0;
                 }
-                // Most passes are far shorter than a turn: those that come to no other moment than this one, and not to it, are not looked at.
-                let count = match pass.turns > 0.0 {
-                    true => passed(rest, |pass| pass.span()[1] < first),
-                    false if first <= end => 1,
-                    false => passed(rest, |pass| first_whole(pass.span()[0]) >= whole),
-                };
-                rest = &rest[count..];
             }
         }
+        circles.retain(|circle| circle.centre.x > -self.nose_mm);
+        circles
     }
 
     /// Radius of the nose, mm.
@@ -199,7 +151,6 @@ impl TurnedSurface {
 mod tests {
     use super::*;
     use crate::geom::DVec3;
-    use crate::num::random::RandomStream;
     use crate::program::ToolMove;
 
     fn path(places: &[(f64, f64)], nose_mm: f64, feed_mm: f64) -> TurningPath {
@@ -211,51 +162,6 @@ mod tests {
             found.turns.push(from.distance(to) / feed_mm);
         }
         found
-    }
-
-    /// Of passes longer and shorter than a turn, that go forwards, back and over the same turns again, each moment is found, and in its order:
-    /// where two passes meet at it, of both.
-    #[test]
-    fn each_moment_of_a_share_of_a_turn_is_found() {
-        let draws = RandomStream { seed: 3, trial: 0 };
-        let (mut passes, mut begin) = (Vec::new(), 0.0);
-        for step in 0..2000 {
-            let [length, again] = draws.pair(0, step as u32);
-            let way = if step % 500 < 350 { 1.0 } else { -1.0 };
-            let eighth = |turns: f64| (8.0 * turns).ceil() / 8.0;
-            let turns = way
-                * match step % 97 {
-                    0 => 5.0 * length,
-                    1..40 => 0.03 * length,
-                    _ => eighth(0.4 * length),
-                };
-            // (After some passes the part is turned back, or on, by less than they are long.)
-            if step % 53 == 0 {
-                begin = eighth(begin - 0.4 * way * again);
-            }
-            if step % 211 == 0 {
-                begin = (8.0 * again).round() - 4.0;
-            }
-            passes.push(TurningPass { from: DVec2::X, to: DVec2::Y, begin, turns, step });
-            begin += turns;
-        }
-        let stretches = stretches(&passes);
-        let surface = TurnedSurface { nose_mm: 1.0, passes, stretches, turns: 1.0 };
-        for share in [0.0, 0.25, 0.377, 0.9] {
-            let mut found = Vec::new();
-            surface.each_pass(share, |pass, turn| found.push((pass.step, turn)));
-            let mut all = Vec::new();
-            for pass in &surface.passes {
-                let [begin, end] = pass.span();
-                let mut turn = share + (begin - share).ceil();
-                while turn <= end {
-                    all.push((pass.step, turn));
-                    turn += 1.0;
-                }
-            }
-            assert!(all.len() > 50);
-            assert_eq!(found, all);
-        }
     }
 
     /// Over a plane the cusps stand r - sqrt(r^2 - f^2 / 4) over the lowest places, which are f apart.
