@@ -10,7 +10,7 @@ use crate::geom::TriMesh;
 use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::solid::Solid;
-use crate::verdict::{CheckedMesh, CutSlopes, EachStrip, FileCheck, rim_height_mm};
+use crate::verdict::{AsCutFace, CheckedMesh, CutSlopes, EachStrip, FileCheck};
 
 /// The file of a part as cut, and its format.
 pub(super) const FILE: &str = "as-cut.stl";
@@ -28,14 +28,14 @@ pub(super) fn written_as_cut(
     words: String,
     each: EachStrip,
 ) -> Result<FileCheck, Error> {
-    let rim_mm = rim_height_mm(&design.mirror, &mesh);
+    let cut = AsCutFace::new(&design.mirror, &mesh, slopes);
     let solid = run.stage(Stage::Solid, || close(run.profile, design, mesh))?;
     run.files.ensure_space(stl_bytes(solid.mesh().triangles.len()))?;
     let label = labelled(design, words);
     run.write(FILE, |out| codec(FORMAT).write(out, &solid, None, &label))?;
     drop(solid);
     let staged = run.files.staged(FILE)?;
-    let checked = |reread| CheckedMesh::new(design, reread, None).of_cut(slopes, rim_mm);
+    let checked = |reread| CheckedMesh::new(design, reread, None).of_cut(cut);
     let opened = open(run, FORMAT, staged.read()?, checked)?;
     let mut check = witness_opened(run, design, FORMAT, opened, Promise::exact(), each);
     check.rename(FILE.to_owned());

@@ -12,9 +12,7 @@ use crate::program::{ProgramFault, ToolPath, TurningPath};
 use crate::results::{CuttingFault, ProgramFacts};
 use crate::solid::Solid;
 use crate::turning::{DiscSections, Meridian};
-use crate::verdict::{
-    CheckedMesh, ProgramCut, TurnedShape, axis_faults, rim_height_mm, turned_cut,
-};
+use crate::verdict::{AsCutFace, CheckedMesh, ProgramCut, TurnedShape, axis_faults, turned_cut};
 
 /// What is found of a program beside the picture.
 #[derive(Default)]
@@ -80,7 +78,7 @@ pub(super) fn programmed(
         Ok(cut) => cut,
         Err(fault) => return Ok(Programmed::Faulty(fault)),
     };
-    let rim_mm = rim_height_mm(&design.mirror, &mesh);
+    let cut = AsCutFace::new(&design.mirror, &mesh, slopes);
     let solid = Solid::from_face(&mesh.into(), design.features(), Precision::Double);
     let solid = match solid {
         Ok(solid) => solid,
@@ -88,7 +86,7 @@ pub(super) fn programmed(
     };
     let reread = ImportedMesh { mesh: solid.mesh().clone(), normals: None };
     let checked = CheckedMesh::new(design, reread, Some(solid.check().clone()));
-    let checked = checked.of_cut(slopes, rim_mm);
+    let checked = checked.of_cut(cut);
     let program = Some(facts);
     Ok(Programmed::Cut(Box::new(checked), CutFindings { program, faults }))
 }

@@ -1,6 +1,6 @@
 //! What the bytes of one file showed: as a solid, at its vertices, and to the camera's rays.
 
-use super::cut_slopes::CutSlopes;
+use super::as_cut_face::AsCutFace;
 use super::expected_rays::{RimShift, expected_rays};
 use super::vertex_check::worst_vertex;
 use crate::brep::{Body, BodyFacts};
@@ -103,11 +103,13 @@ impl FileCheck {
         (promise, shortcuts): (Promise, bool),
         each: EachStrip,
     ) -> (Self, TraceCounts) {
-        let CheckedMesh { reread, solid, vertex, closed, slopes, rim_mm } = checked;
-        let ImportedMesh { mesh, normals } = reread;
+        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex, closed, cut } =
+            checked;
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = Scene::for_cameras(mesh, closed).among(obstacles.map(Arc::new));
-        let slopes = slopes.as_ref().map(|slopes| slopes as &dyn FaceSlopes);
+        let slopes = cut.as_ref().and_then(|cut| cut.slopes.as_ref());
+        let slopes = slopes.map(|slopes| slopes as &dyn FaceSlopes);
+        let rim_mm = cut.as_ref().map(|cut| cut.rim_mm);
         let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm()).with_slopes(slopes);
         let tracing = FileTrace { profile, design, promise, shortcuts, rim_mm };
         let height = |facet: u32| {
@@ -161,7 +163,7 @@ struct FileTrace<'a> {
     design: &'a Design,
     promise: Promise,
     shortcuts: bool,
-    /// The largest height of its rim over the mirror or below it, mm, where that is known.
+    /// The largest height of its rim over the mirror or below it, mm, of a part as cut.
     rim_mm: Option<f64>,
 }
 
@@ -257,10 +259,8 @@ pub(crate) struct CheckedMesh {
     vertex: Option<VertexFacts>,
     /// Whether the mesh is known to be closed.
     closed: bool,
-    /// Slopes of its face, where they are not those of its facets.
-    slopes: Option<CutSlopes>,
-    /// The largest height of its rim over the mirror or below it, mm, of one as cut.
-    rim_mm: Option<f64>,
+    /// What it has beside its facets, of a part as cut.
+    cut: Option<AsCutFace>,
 }
 
 impl CheckedMesh {
@@ -280,23 +280,16 @@ impl CheckedMesh {
                 FormedFace::of(tool, &design.mirror, &reread.mesh);
             let vertex = worst_vertex.map(facts);
             let formed = ImportedMesh { mesh, normals: None };
-            return Self {
-                reread: formed,
-                solid,
-                vertex,
-                closed: false,
-                slopes: None,
-                rim_mm: None,
-            };
+            return Self { reread: formed, solid, vertex, closed: false, cut: None };
         }
         let vertex = worst_vertex(design, vertices).map(facts);
         let closed = check.closed && check.oriented && check.manifold;
-        Self { reread, solid, vertex, closed, slopes: None, rim_mm: None }
+        Self { reread, solid, vertex, closed, cut: None }
     }
 
-    /// The same of a face as cut, with its slopes, if its facets have not got them, and a rim up to `rim_mm` above or below the mirror.
-    pub(crate) fn of_cut(self, slopes: Option<CutSlopes>, rim_mm: f64) -> Self {
-        Self { slopes, rim_mm: Some(rim_mm), ..self }
+    /// The same of a face as cut.
+    pub(crate) fn of_cut(self, cut: AsCutFace) -> Self {
+        Self { cut: Some(cut), ..self }
     }
 }
 

@@ -1,9 +1,9 @@
 //! The verdict: what the bytes of a file showed, and every reason why a part would not do, with figures.
 
+mod as_cut_face;
 mod axis_faults;
 mod bar_on_lathe;
 mod cusp_search;
-mod cut_rim;
 mod cut_slopes;
 mod cutter_survey;
 mod expected_rays;
@@ -21,9 +21,9 @@ mod turned_shape;
 mod turns_face;
 mod vertex_check;
 
+pub(crate) use as_cut_face::AsCutFace;
 pub(crate) use axis_faults::axis_faults;
 pub(crate) use bar_on_lathe::{BarOnLathe, CutTask, TurnedLeft};
-pub(crate) use cut_rim::rim_height_mm;
 pub(crate) use cut_slopes::CutSlopes;
 pub use cutter_survey::MachiningOptions;
 pub(crate) use cutter_survey::{CutterSurvey, analysis_of, directed, stock_corners};

@@ -48,10 +48,25 @@ fn raster(design: &Design, ball_mm: f64, stepover_mm: f64, phase: f64) -> String
 }
 
 fn verified(profile: &Profile, program: &str, ball_mm: f64) -> VerifyReport {
+    let options = VerifyOptions { ball_mm: Some(ball_mm), ..VerifyOptions::default() };
+    verified_with(profile, program, options)
+}
+
+/// The same of a cutter with a flat end, flat where its corner is 0.
+fn flat_verified(
+    profile: &Profile,
+    program: &str,
+    (radius_mm, corner_mm): (f64, f64),
+) -> VerifyReport {
+    let (cutter_mm, corner_mm) = (Some(radius_mm), Some(corner_mm).filter(|mm| *mm > 0.0));
+    let options = VerifyOptions { cutter_mm, corner_mm, ..VerifyOptions::default() };
+    verified_with(profile, program, options)
+}
+
+fn verified_with(profile: &Profile, program: &str, options: VerifyOptions) -> VerifyReport {
     let folder = folder();
     let path = folder.path().join("part.ngc");
     std::fs::write(&path, program).unwrap();
-    let options = VerifyOptions { ball_mm: Some(ball_mm), ..VerifyOptions::default() };
     let verify = Verify { path: &path, options };
     verify.in_memory(profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0
 }
@@ -257,13 +272,7 @@ fn cutters_with_a_flat_end_leave_the_envelope_of_their_edge() {
             (-27..=28).for_each(|n| writeln!(program, "{}", at(n)).unwrap());
             writeln!(program, "G0 Z40").unwrap();
         }
-        let folder = folder();
-        let path = folder.path().join("part.ngc");
-        std::fs::write(&path, program + "M2\n").unwrap();
-        let (cutter_mm, corner) = (Some(radius_mm), Some(corner_mm).filter(|mm| *mm > 0.0));
-        let options = VerifyOptions { cutter_mm, corner_mm: corner, ..VerifyOptions::default() };
-        let verify = Verify { path: &path, options };
-        let found = verify.in_memory(&profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0;
+        let found = flat_verified(&profile, &(program + "M2\n"), (radius_mm, corner_mm));
         let facts = found.program.unwrap_or_else(|| panic!("{:?}", found.reasons));
         let is_ball = corner_mm == radius_mm;
         assert_eq!(facts.slopes == SlopeOrigin::Facets, is_ball);
@@ -362,16 +371,7 @@ fn a_bull_nosed_cutter_in_circles_leaves_the_cusps_of_its_corner() {
         (1..=720).for_each(|n| writeln!(program, "{}", at(n)).unwrap());
         writeln!(program, "G0 Z40").unwrap();
     }
-    let folder = folder();
-    let path = folder.path().join("part.ngc");
-    std::fs::write(&path, program + "M2\n").unwrap();
-    let options = VerifyOptions {
-        cutter_mm: Some(radius_mm),
-        corner_mm: Some(corner_mm),
-        ..VerifyOptions::default()
-    };
-    let verify = Verify { path: &path, options };
-    let found = verify.in_memory(&profile, &Silent).unwrap_or_else(|error| panic!("{error}")).0;
+    let found = flat_verified(&profile, &(program + "M2\n"), (radius_mm, corner_mm));
     let facts = found.program.unwrap_or_else(|| panic!("{:?}", found.reasons));
     assert_eq!(facts.slopes, SlopeOrigin::Path);
     // (Of tips, which are farther apart on a dome than places of contact.)
