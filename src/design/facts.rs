@@ -36,7 +36,7 @@ pub struct CurlFacts {
     pub rounding: f64,
 }
 
-/// Samples of a picture that is given as data.
+/// Samples of a picture that is given as data; of several panels' those between which interpolation is the farthest off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct MapFacts {
@@ -50,7 +50,8 @@ pub struct MapFacts {
 
 impl MapFacts {
     fn of(camera: &Camera, view: &ImagingTask) -> Option<Self> {
-        let Projection::Map(map) = &view.projection else { return None };
+        let Projection::Framed(framed) = &view.projection else { return None };
+        let map = framed.map()?;
         let px = camera.to_px(Mm(map.interpolation_error() / map.radians_per_mm()));
         Some(Self { samples: map.size(), gaps: map.gap_share(), interpolation_px: px.0 })
     }

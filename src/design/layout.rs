@@ -7,8 +7,8 @@ use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{RadialCubic, radians};
 use crate::optics::{
-    Azimuthal, Camera, Fold, ImagingTask, Mount, Projection, RadialLaw, RimConditions, SampledMap,
-    StripLaw, Target,
+    Azimuthal, Camera, Fold, FramedView, ImagingTask, Mount, Projection, RadialLaw, RimConditions,
+    SampledMap, StripLaw, Target,
 };
 use crate::profile::{
     AzimuthalSpec, Layout, MapSpec, PanelSource, Profile, ProjectionSpec, RadialLawSpec,
@@ -235,7 +235,7 @@ impl DesignProblem {
         let view =
             Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount);
         let symmetric = view.is_symmetric_in_x();
-        let view = Projection::Azimuthal(view);
+        let view = Projection::Framed(FramedView::Azimuthal(view));
         Self::framed(camera, area, view, wanted.target.clone(), symmetric)
     }
 
@@ -244,7 +244,8 @@ impl DesignProblem {
         let area = rectangle_of(profile, &camera);
         let map = SampledMap::new(&wanted.samples, camera.frame(), camera.image_of(area));
         let symmetric = map.is_symmetric_in_x();
-        Self::framed(camera, area, Projection::Map(Arc::new(map)), wanted.target.clone(), symmetric)
+        let view = Projection::Framed(FramedView::Map(Arc::new(map)));
+        Self::framed(camera, area, view, wanted.target.clone(), symmetric)
     }
 
     /// The problem of a picture that ends with the frame, on the rectangle `area`; `symmetric`: reflecting it in X = 0

@@ -19,8 +19,10 @@ use crate::mirror::{HeightField, Mirror, PanelledSurface, Surface, TensorLegendr
 use crate::num::legendre::Series;
 use crate::num::radians;
 use crate::num::units::Mm;
-use crate::optics::{Azimuthal, Camera, ImagingTask, PanelledView, Projection, Target};
-use crate::profile::{Method, PanelSpec, Profile};
+use crate::optics::{
+    Azimuthal, Camera, FramedView, ImagingTask, PanelledView, Projection, SampledMap, Target,
+};
+use crate::profile::{Method, PanelSpec, PanelViewSpec, Profile};
 use std::sync::Arc;
 
 /// Least height of a wall, mm: more than flat facets depart from the mirror, and than a file rounds.
@@ -49,10 +51,14 @@ pub(super) fn solved(
     let area = rectangle_of(profile, &camera);
     let parts = Panels(wanted.iter().map(|panel| part(&camera, area, panel)).collect());
     let lines = parts.dividing_lines();
-    let views: Vec<Azimuthal> = wanted.iter().map(|panel| view(profile, &camera, panel)).collect();
+    let views: Vec<FramedView> = wanted
+        .iter()
+        .zip(&parts.0)
+        .map(|(panel, part)| view(profile, &camera, *part, panel))
+        .collect();
     let (mut sheets, mut all_facts) = (Vec::new(), Vec::new());
     for (part, view) in parts.0.iter().zip(&views) {
-        let view = Projection::Azimuthal(view.clone());
+        let view = Projection::Framed(view.clone());
         let problem = DesignProblem::framed(camera, *part, view, Target::Infinity, false);
         let (mirror, facts) = surface::solved(&problem, method)?;
         let Surface::Tensor(sheet) = mirror.surface else {
@@ -110,12 +116,20 @@ fn part(camera: &Camera, area: Rect, panel: &PanelSpec) -> Rect {
     Rect { min: DVec2::new(left, bottom), max: DVec2::new(right, top) }
 }
 
-fn view(profile: &Profile, camera: &Camera, panel: &PanelSpec) -> Azimuthal {
-    let (picture, wanted) = (picture_of(camera, panel), &panel.view);
+/// What a panel, on its part of the mirror, is to show.
+fn view(profile: &Profile, camera: &Camera, part: Rect, panel: &PanelSpec) -> FramedView {
+    let picture = picture_of(camera, panel);
+    let wanted = match &panel.view {
+        PanelViewSpec::Map(map) => {
+            let map = SampledMap::new(&map.samples, picture, camera.image_of(part));
+            return FramedView::Map(Arc::new(map));
+        }
+        PanelViewSpec::Azimuthal(view) => view,
+    };
     let law = wanted.law.to_reach(radians(0.5 * wanted.hfov_deg), 0.5 * picture.size().x);
     let centre_deg = wanted.centre_deg.unwrap_or([0.0, 90.0]);
-    Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount)
-        .about(picture.centre())
+    let view = Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount);
+    FramedView::Azimuthal(view.about(picture.centre()))
 }
 
 /// How far lines between panels are from the edges that they stand for, in the picture of a lens that bends them.
@@ -160,6 +174,10 @@ fn joint(all: &[DesignFacts]) -> DesignFacts {
         steps: all.iter().map(|facts| facts.steps).max().unwrap_or(0),
         condition: most(|facts| facts.condition),
         gradient_residual: all.iter().map(|facts| facts.gradient_residual).sum(),
+        map: all
+            .iter()
+            .filter_map(|facts| facts.map)
+            .reduce(|a, b| if b.interpolation_px > a.interpolation_px { b } else { a }),
         ..all[0].clone()
     }
 }

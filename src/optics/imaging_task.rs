@@ -77,7 +77,7 @@ impl ImagingTask {
     #[must_use]
     pub fn of_panel(&self, panel: usize) -> Self {
         let projection = match &self.projection {
-            Projection::Panels(views) => Projection::Azimuthal(views.views[panel].clone()),
+            Projection::Panels(views) => Projection::Framed(views.views[panel].clone()),
             other => other.clone(),
         };
         Self { projection, ..self.clone() }
@@ -93,10 +93,8 @@ impl ImagingTask {
     /// bent sides is nobody's.
     #[must_use]
     pub fn is_framed(&self) -> bool {
-        matches!(
-            self.projection,
-            Projection::Azimuthal(_) | Projection::Map(_) | Projection::Panels(_)
-        ) || !self.picture.is_identity()
+        matches!(self.projection, Projection::Framed(_) | Projection::Panels(_))
+            || !self.picture.is_identity()
     }
 
     /// The image point at which the camera of `chart` sees a point of space.
@@ -246,10 +244,7 @@ impl ImagingTask {
     pub fn turn(&self, x: f64) -> [f64; 2] {
         match &self.projection {
             Projection::Strip(strip) => strip.turn(x),
-            Projection::Radial { .. }
-            | Projection::Azimuthal(_)
-            | Projection::Map(_)
-            | Projection::Panels(_) => [0.0, 1.0],
+            Projection::Radial { .. } | Projection::Framed(_) | Projection::Panels(_) => [0.0, 1.0],
         }
     }
 
@@ -260,10 +255,7 @@ impl ImagingTask {
     pub fn rise(&self, y: f64) -> f64 {
         match &self.projection {
             Projection::Strip(strip) => strip.rise(y * self.flip(DVec2::new(0.0, y)).y),
-            Projection::Radial { .. }
-            | Projection::Azimuthal(_)
-            | Projection::Map(_)
-            | Projection::Panels(_) => 1.0,
+            Projection::Radial { .. } | Projection::Framed(_) | Projection::Panels(_) => 1.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Views side by side in one picture.
 
-use super::{Azimuthal, PictureMap};
+use super::{FramedView, PictureMap};
 use crate::geom::{DVec2, Panels};
 use crate::num::Scalar;
 
@@ -13,7 +13,7 @@ pub struct PanelledView {
     /// From the chart to the picture.
     pub picture: PictureMap,
     /// The view of each.
-    pub views: Vec<Azimuthal>,
+    pub views: Vec<FramedView>,
 }
 
 impl PanelledView {
@@ -26,7 +26,14 @@ impl PanelledView {
     /// The image point, in the view of `near`, that must see `sigma`.
     #[inline]
     pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
-        self.view_at(near).image_of(sigma)
+        self.view_at(near).image_of(sigma, near)
+    }
+
+    /// Whether something is wanted of an image point.
+    #[inline]
+    #[must_use]
+    pub fn wants(&self, image: DVec2) -> bool {
+        self.view_at(image).wants(image)
     }
 
     /// The most radians of the world to a millimetre of the image, at a view's centre.
@@ -42,7 +49,7 @@ impl PanelledView {
         self.parts.index_of(self.picture.chart_point(image))
     }
 
-    fn view_at(&self, image: DVec2) -> &Azimuthal {
+    fn view_at(&self, image: DVec2) -> &FramedView {
         &self.views[self.panel_of(image)]
     }
 }

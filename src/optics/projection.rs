@@ -1,6 +1,6 @@
 //! Projections: which direction of the world each image point must see, and back.
 
-use super::{Azimuthal, PanelledView, RadialLaw, SampledMap, Strip};
+use super::{FramedView, PanelledView, RadialLaw, Strip};
 use crate::geom::DVec2;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
@@ -19,10 +19,8 @@ pub enum Projection {
         /// Inner and outer image radius, mm.
         radius: [f64; 2],
     },
-    /// A perspective or fisheye view about any direction.
-    Azimuthal(Azimuthal),
-    /// Directions given as data.
-    Map(Arc<SampledMap>),
+    /// A view, or directions given as data, that ends with the frame.
+    Framed(FramedView),
     /// Views side by side.
     Panels(Arc<PanelledView>),
 }
@@ -34,8 +32,7 @@ impl Projection {
         match self {
             Self::Strip(strip) => strip.direction_of(q),
             Self::Radial { law, .. } => law.direction_of(q),
-            Self::Azimuthal(view) => view.direction_of(q),
-            Self::Map(map) => map.direction_of(q),
+            Self::Framed(view) => view.direction_of(q),
             Self::Panels(views) => views.direction_of(q),
         }
     }
@@ -46,8 +43,7 @@ impl Projection {
         match self {
             Self::Strip(strip) => strip.image_of(sigma, near),
             Self::Radial { law, .. } => law.image_of(sigma),
-            Self::Azimuthal(view) => view.image_of(sigma),
-            Self::Map(map) => map.image_of(sigma, near),
+            Self::Framed(view) => view.image_of(sigma, near),
             Self::Panels(views) => views.image_of(sigma, near),
         }
     }
@@ -57,8 +53,9 @@ impl Projection {
     #[must_use]
     pub fn wants(&self, image: DVec2) -> bool {
         match self {
-            Self::Map(map) => map.wants(image),
-            Self::Strip(_) | Self::Radial { .. } | Self::Azimuthal(_) | Self::Panels(_) => true,
+            Self::Framed(view) => view.wants(image),
+            Self::Panels(views) => views.wants(image),
+            Self::Strip(_) | Self::Radial { .. } => true,
         }
     }
 
@@ -66,10 +63,9 @@ impl Projection {
     #[must_use]
     pub fn keeps_lines(&self) -> bool {
         match self {
-            Self::Strip(_) | Self::Map(_) | Self::Panels(_) => false,
-            Self::Radial { law, .. } | Self::Azimuthal(Azimuthal { law, .. }) => {
-                matches!(law, RadialLaw::Plane { .. })
-            }
+            Self::Strip(_) | Self::Panels(_) => false,
+            Self::Radial { law, .. } => matches!(law, RadialLaw::Plane { .. }),
+            Self::Framed(view) => view.keeps_lines(),
         }
     }
 
@@ -80,8 +76,7 @@ impl Projection {
         match self {
             Self::Strip(strip) => strip.scale_mm,
             Self::Radial { radius: [_, outer], .. } => *outer,
-            Self::Azimuthal(view) => 1.0 / view.radians_per_mm(),
-            Self::Map(map) => 1.0 / map.radians_per_mm(),
+            Self::Framed(view) => 1.0 / view.radians_per_mm(),
             Self::Panels(views) => 1.0 / views.radians_per_mm(),
         }
     }
@@ -94,8 +89,7 @@ impl Projection {
             Self::Radial { law, radius: [inner, outer] } => {
                 (law.polar(*outer) - law.polar(*inner)) / (outer - inner)
             }
-            Self::Azimuthal(view) => view.radians_per_mm(),
-            Self::Map(map) => map.radians_per_mm(),
+            Self::Framed(view) => view.radians_per_mm(),
             Self::Panels(views) => views.radians_per_mm(),
         }
     }

@@ -59,8 +59,8 @@ pub use program::{
 };
 pub use program_words::{FinishingPath, MillControl, ProgramControl, StockMaterial, WorkOffset};
 pub use projection::{
-    AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,
-    StripSpec,
+    AzimuthalSpec, MapSpec, PanelSpec, PanelViewSpec, ProjectionSpec, RadialLawSpec, RadialSpec,
+    StripLawSpec, StripSpec,
 };
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]

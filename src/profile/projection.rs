@@ -125,9 +125,17 @@ pub struct PanelSpec {
     pub columns: [u32; 2],
     /// Rows of the frame from the upper edge to the lower one, pixels: rising, within the frame.
     pub rows: [u32; 2],
-    /// The view, whose angle is the one across the panel's width and whose centre is in the panel's middle. Its
-    /// centre is always given, and its target is far away.
-    pub view: AzimuthalSpec,
+    /// What it shows of what is far away.
+    pub view: PanelViewSpec,
+}
+
+/// What a panel shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PanelViewSpec {
+    /// A view, whose angle is the one across the panel's width and whose centre, which is always given, is in the panel's middle.
+    Azimuthal(AzimuthalSpec),
+    /// Directions over the panel's part of the frame.
+    Map(MapSpec),
 }
 
 /// A picture given as data.

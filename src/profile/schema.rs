@@ -20,7 +20,7 @@ const FISHEYE: &[&str] = &[
     "target_plane_mm",
 ];
 const PANEL: &[&str] =
-    &["columns", "rows", "law", "centre_deg", "hfov_deg", "roll_deg", "mirrored"];
+    &["columns", "rows", "law", "centre_deg", "hfov_deg", "roll_deg", "mirrored", "file"];
 const METHOD: &[&str] = &["degree", "minimax"];
 /// Error sources, each with its unit.
 const SOURCES: &[&str] = Perturbation::KEYS;

@@ -15,6 +15,7 @@
 
 mod arc;
 mod axis_rates;
+mod azimuth_bins;
 mod band_heights;
 mod commanded;
 mod coverage;

@@ -19,6 +19,7 @@ use super::ToolMove;
 use super::cutter_move::{CutterMove, CutterPlace, lower_side};
 use crate::geom::{Cutter, DVec2, DVec3, Rect};
 use crate::parallel;
+use std::sync::OnceLock;
 
 /// A square with so few moves is not divided, and the most divisions: to some hundredths of a millimetre.
 const FEW: usize = 12;
@@ -40,12 +41,13 @@ pub struct SweptCutter {
     root: Square,
 }
 
+/// A square of the plan.
 #[derive(Debug)]
-enum Square {
-    /// Numbers of moves, rising.
-    Leaf(Vec<u32>),
-    /// Left below, right below, left above, right above.
-    Divided(Box<[Square; 4]>),
+struct Square {
+    /// Numbers of the moves that may be the lowest in it, rising.
+    steps: Vec<u32>,
+    /// Left below, right below, left above, right above, each from when a place in it is first asked for; none where it is not divided.
+    parts: Option<Box<[OnceLock<Square>; 4]>>,
 }
 
 /// The lowest place of all cutters over a place of the plan.
@@ -66,35 +68,46 @@ impl SweptCutter {
         let up = DVec3::Z * cutter.ball_mm().unwrap_or(0.0);
         let ends: Vec<_> = moves.iter().map(|step| [step.from + up, step.to + up]).collect();
         let bounds = Rect { min, max };
-        let mut swept = Self { cutter, ends, bounds, root: Square::Leaf(Vec::new()) };
-        swept.root = swept.square(bounds, (0..moves.len() as u32).collect(), 0);
+        let mut swept =
+            Self { cutter, ends, bounds, root: Square { steps: Vec::new(), parts: None } };
+        swept.root = swept.square((0..moves.len() as u32).collect(), bounds, 0);
+        swept.divide(&swept.root, bounds, 0);
         swept
     }
 
-    /// The moves that may be the lowest in `rect`.
-    fn square(&self, rect: Rect, mut steps: Vec<u32>, depth: usize) -> Square {
+    /// A square of which some of `steps` may be the lowest, `depth` divisions down.
+    fn square(&self, mut steps: Vec<u32>, rect: Rect, depth: usize) -> Square {
         let (middle, reach) = (rect.centre(), 0.5 * rect.size().length());
         let given = steps.len();
-        let surely = steps.iter().filter_map(|&k| self.lowest_within(k, middle, -reach));
-        // The flat end of a move over all of the square is as low for both, but for rounding.
-        let rounding = if self.cutter.ball_mm().is_some() { 0.0 } else { ROUNDING_MM };
-        let most = surely.fold(f64::INFINITY, f64::min) + rounding;
-        steps.retain(|&k| self.lowest_within(k, middle, reach).is_some_and(|z| z <= most));
-        self.leave_higher(middle, reach, &mut steps);
+        if !self.leave_higher(middle, reach, &mut steps) {
+            self.leave_above_others(middle, reach, &mut steps);
+        }
+        steps.shrink_to_fit();
         let is_in_vain = depth >= DEEP && steps.len() == given;
-        if steps.len() <= FEW || depth == DEEPEST || is_in_vain {
-            steps.shrink_to_fit();
-            return Square::Leaf(steps);
-        }
-        let quarter = |k: usize| self.square(quarter(rect, k), steps.clone(), depth + 1);
-        let parts: Vec<Square> = match depth < SHARED {
-            true => parallel::map(4, 1, quarter),
-            false => (0..4).map(quarter).collect(),
-        };
-        match <[Square; 4]>::try_from(parts) {
-            Ok(parts) => Square::Divided(Box::new(parts)),
-            Err(_) => Square::Leaf(steps),
-        }
+        let is_leaf = steps.len() <= FEW || depth == DEEPEST || is_in_vain;
+        Square { steps, parts: (!is_leaf).then(Default::default) }
+    }
+
+    /// Divides a square that has many moves beforehand, by several threads.
+    fn divide(&self, square: &Square, rect: Rect, depth: usize) {
+        let Some(parts) = square.parts.as_deref().filter(|_| depth < SHARED) else { return };
+        parallel::map(4, 1, |k| {
+            self.divide(
+                self.part(square, (&parts[k], quarter(rect, k)), depth),
+                quarter(rect, k),
+                depth + 1,
+            );
+        });
+    }
+
+    /// A part of a square, made when it is first asked for.
+    fn part<'a>(
+        &self,
+        square: &Square,
+        (part, rect): (&'a OnceLock<Square>, Rect),
+        depth: usize,
+    ) -> &'a Square {
+        part.get_or_init(|| self.square(square.steps.clone(), rect, depth + 1))
     }
 
     /// Z over `middle` of a cutter larger by `wider` mm, which one move is nowhere lower than within as much of it; where that is negative,
@@ -114,20 +127,35 @@ impl SweptCutter {
         Some(moved.lowest(middle)? + raised)
     }
 
-    /// Leaves out moves that are higher than the lowest one over `middle` all over a square of which no place is farther from it than `reach`.
-    fn leave_higher(&self, middle: DVec2, reach: f64, steps: &mut Vec<u32>) {
+    /// Leaves out moves of which a larger cutter is above a smaller one of another.
+    fn leave_above_others(&self, middle: DVec2, reach: f64, steps: &mut Vec<u32>) {
+        let surely = steps.iter().filter_map(|&k| self.lowest_within(k, middle, -reach));
+        // The flat end of a move over all of the square is as low for both, but for rounding.
+        let rounding = if self.cutter.ball_mm().is_some() { 0.0 } else { ROUNDING_MM };
+        let most = surely.fold(f64::INFINITY, f64::min) + rounding;
+        steps.retain(|&k| self.lowest_within(k, middle, reach).is_some_and(|z| z <= most));
+    }
+
+    /// Leaves out moves that are higher than the lowest one over `middle` all over a square of which no place is farther from it than `reach`;
+    /// false where that cannot be told.
+    fn leave_higher(&self, middle: DVec2, reach: f64, steps: &mut Vec<u32>) -> bool {
         if !(self.cutter.corner_mm > reach) {
-            return;
+            return false;
         }
         let places: Vec<_> = steps.iter().map(|&k| self.of_step(k as usize, middle)).collect();
         let lower = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 < a.0 { b } else { a };
-        let Some((z, slope)) = places.iter().flatten().copied().reduce(lower) else { return };
-        let Some(bend) = self.most_bent(slope, reach) else { return };
-        let is_higher = |&(own, way): &(f64, DVec2)| {
-            own - z > reach * ((slope - way).length() + 0.5 * reach * bend) + ROUNDING_MM
-        };
-        let mut places = places.iter();
-        steps.retain(|_| !places.next().and_then(Option::as_ref).is_some_and(is_higher));
+        let lowest = places.iter().flatten().copied().reduce(lower);
+        let bend = lowest.and_then(|(_, slope)| self.most_bent(slope, reach));
+        let Some(((z, slope), bend)) = lowest.zip(bend) else { return false };
+        let rise = |slope: DVec2| reach * (slope.length() + 0.5 * reach * bend) + ROUNDING_MM;
+        let most = z + rise(slope);
+        let mut places = places.into_iter();
+        steps.retain(|&k| match places.next().flatten() {
+            Some((own, way)) => own - z <= rise(slope - way),
+            // (It is not over the middle.)
+            None => self.lowest_within(k, middle, reach).is_some_and(|z| z <= most),
+        });
+        true
     }
 
     /// The largest second derivative of the lower side of a cutter, 1/mm, within `reach` mm of a place of it with this slope; none where its side
@@ -149,15 +177,16 @@ impl SweptCutter {
     /// The lowest place of all cutters over a place within the corners; none where no cutter comes.
     #[must_use]
     pub fn lowest(&self, at: DVec2) -> Option<SweptPlace> {
-        let (mut square, mut rect) = (&self.root, self.bounds);
-        while let Square::Divided(parts) = square {
+        let (mut square, mut rect, mut depth) = (&self.root, self.bounds, 0);
+        while let Some(parts) = &square.parts {
             let middle = rect.centre();
             let k = usize::from(at.x > middle.x) + 2 * usize::from(at.y > middle.y);
-            (square, rect) = (&parts[k], quarter(rect, k));
+            rect = quarter(rect, k);
+            square = self.part(square, (&parts[k], rect), depth);
+            depth += 1;
         }
-        let Square::Leaf(steps) = square else { return None };
         let mut lowest: Option<SweptPlace> = None;
-        for &k in steps {
+        for &k in &square.steps {
             let most = lowest.map_or(f64::INFINITY, |lowest| lowest.z_mm + ROUNDING_MM);
             let place = self.step_below(k as usize, at, most);
             let Some(CutterPlace { z_mm, slope }) = place else { continue };
@@ -251,8 +280,6 @@ mod tests {
             moves.extend((0..40).map(step));
         }
         let swept = SweptCutter::new(&moves, cutter, [DVec2::splat(1.5), DVec2::new(8.5, 6.5)]);
-        let most = leaves(&swept.root).into_iter().max().unwrap();
-        assert!(most <= 5 * FEW, "{most} of {}", moves.len());
         for k in 0..400 {
             let at = DVec2::new(1.5 + f64::from(k % 20) * 0.349, 1.5 + f64::from(k / 20) * 0.249);
             let all = (0..moves.len()).filter_map(|k| swept.of_step(k, at));
@@ -260,13 +287,15 @@ mod tests {
             let found = swept.lowest(at).unwrap().z_mm;
             assert!((found - least).abs() < 1e-12, "{at}: {found} {least}");
         }
+        let most = leaves(&swept.root).into_iter().max().unwrap();
+        assert!(most <= 5 * FEW, "{most} of {}", moves.len());
     }
 
-    /// Moves in each leaf.
+    /// Moves in each leaf that a place was asked for in.
     fn leaves(square: &Square) -> Vec<usize> {
-        match square {
-            Square::Leaf(steps) => vec![steps.len()],
-            Square::Divided(parts) => parts.iter().flat_map(leaves).collect(),
+        match &square.parts {
+            None => vec![square.steps.len()],
+            Some(parts) => parts.iter().filter_map(OnceLock::get).flat_map(leaves).collect(),
         }
     }
 

@@ -6,6 +6,7 @@
 //!
 //! Where C, an axis, turns the spindle, its places are those of the program; else it makes the turns of one move after those of another.
 
+use super::azimuth_bins::AzimuthBins;
 use super::lathe::TurningPath;
 use super::turned_section::{NoseCircle, TurnedSection};
 use crate::geom::DVec2;
@@ -20,6 +21,8 @@ pub struct TurnedSurface {
     /// Feed moves and dwells that turn the part.
     passes: Vec<TurningPass>,
     turns: f64,
+    /// All passes, and those in which the nose reaches beyond the axis, by azimuth.
+    bins: [AzimuthBins; 2],
 }
 
 /// A move of a nose's centre while the part turns.
@@ -80,7 +83,14 @@ impl TurnedSurface {
                 all += turns.abs();
             }
         }
-        Self { nose_mm, passes, turns: all }
+        let spans = (0u32..).zip(passes.iter().map(TurningPass::span));
+        let reaches_beyond = |&(number, _): &(u32, [f64; 2])| {
+            let pass: &TurningPass = &passes[number as usize];
+            pass.from.x.min(pass.to.x) < nose_mm
+        };
+        let bins =
+            [AzimuthBins::new(spans.clone()), AzimuthBins::new(spans.filter(reaches_beyond))];
+        Self { nose_mm, passes, turns: all, bins }
     }
 
     /// Turns of the spindle on all moves with a feed.
@@ -98,26 +108,23 @@ impl TurnedSurface {
     /// Circles of the nose as that azimuth passes it, in the order of the moves.
     pub(super) fn circles(&self, share: f64) -> Vec<NoseCircle> {
         let mut circles = Vec::new();
-        for pass in &self.passes {
-            let [begin, end] = pass.span();
-            let mut turn = share + (begin - share).ceil();
-            while turn <= end {
-                let (centre, step) = (pass.centre(turn), pass.step);
-                circles.push(NoseCircle { centre, step, turn, is_beyond: false });
-                turn += 1.0;
-            }
-            // On the other side of the axis.
-            if pass.from.x.min(pass.to.x) < self.nose_mm {
-                let mut turn = share + 0.5 + (begin - share - 0.5).ceil();
+        for is_beyond in [false, true] {
+            let share = if is_beyond { share + 0.5 } else { share };
+            for &pass in self.bins[usize::from(is_beyond)].near(share) {
+                let pass = &self.passes[pass as usize];
+                let [begin, end] = pass.span();
+                let mut turn = share + (begin - share).ceil();
                 while turn <= end {
                     let at = pass.centre(turn);
-                    let centre = DVec2::new(-at.x, at.y);
-                    circles.push(NoseCircle { centre, step: pass.step, turn, is_beyond: true });
+                    let x = if is_beyond { -at.x } else { at.x };
+                    let centre = DVec2::new(x, at.y);
+                    circles.push(NoseCircle { centre, step: pass.step, turn, is_beyond });
                     turn += 1.0;
                 }
             }
         }
         circles.retain(|circle| circle.centre.x > -self.nose_mm);
+        circles.sort_by_key(|circle| circle.step);
         circles
     }
 

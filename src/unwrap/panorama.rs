@@ -159,7 +159,7 @@ fn range(
             }
         }
         Projection::Panels(_) => return Err(UnwrapError::Panels),
-        Projection::Azimuthal(_) | Projection::Map(_) => view_extent(optics, px_per_mm),
+        Projection::Framed(_) => view_extent(optics, px_per_mm),
     };
     let Some(law) = law.filter(|law| *law != own.law) else { return Ok(own) };
     let elevation_deg = own.z.map(|z| elevation_deg(&own.law, z));

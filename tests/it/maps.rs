@@ -2,7 +2,7 @@
 
 use crate::support::builds::folder;
 use morion::internals::design::{Design, design};
-use morion::internals::geom::DVec2;
+use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::optics::stereographic;
 use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::{NamedFiles, Profile, shipped};
@@ -247,4 +247,78 @@ fn every_method_makes_a_law_s_mirror_of_its_map() {
         println!("{method}: {off:e} mm, {:?}", by_map.facts.pixel_error_px);
         assert!(off < 1e-7, "{method}: {off:e}");
     }
+}
+
+/// A view to the front left, and straight back: three quarters of the frame and one.
+const PANELS: &str =
+    "camera.pinhole = { pixels = [160, 120], hfov_deg = 30, distance_mm = 60, pupil_mm = 0.5 }
+layout.rectangle = {}
+method.vector-field.degree = 8
+part = { width_mm = 32.2, base_mm = 3 }
+mesh.facet_px = 1
+export.formats = [\"stl\"]
+accept = { pixel_error_rms_px = 5, pixel_error_max_px = 20 }
+[[panel]]
+columns = [0, 120]
+rows = [0, 120]
+VIEW
+[[panel]]
+columns = [120, 160]
+rows = [0, 120]
+centre_deg = [0, 90]
+hfov_deg = 20
+";
+const VIEW: &str = "centre_deg = [-30, 45]\nhfov_deg = 40\nroll_deg = 20";
+
+/// The directions of the first panel, of which `change` may make others.
+fn panel(own: &Design, [columns, rows]: [usize; 2], change: impl Fn(usize) -> bool) -> Vec<u8> {
+    let view = own.view.as_ref().unwrap();
+    let direction = |k: usize| {
+        let [across, down] = [k % columns, k / columns].map(|k| k as f64 + 0.5);
+        let [x, y] = [120.0 * across / columns as f64, 120.0 * down / rows as f64];
+        let seen = view.direction_of(own.camera.image_point(x, y), DVec3::ZERO).to_array();
+        if change(k) { [f64::NAN; 3] } else { seen }
+    };
+    let vectors: Vec<[f64; 3]> = (0..columns * rows).map(direction).collect();
+    npy(columns, &vectors)
+}
+
+/// One of two panels is given as data: the mirror is the same, and so is the other panel.
+#[test]
+fn a_panel_s_view_through_a_map_is_itself() {
+    let text = PANELS.replace("VIEW", VIEW);
+    let own = design(&Profile::parse("p", "p", text.as_bytes()).unwrap()).unwrap();
+    let file = panel(&own, [480, 480], |_| false);
+    let by_map = design(&parsed(&PANELS.replace("VIEW", "file = \"w.npy\""), &file).unwrap());
+    let by_map = by_map.unwrap();
+    let off = apart(&own, &by_map);
+    println!("{off:e} mm, {:?}", by_map.facts.map);
+    assert!(off < 1e-9, "{off:e}");
+    assert_eq!(by_map.facts.map.unwrap().samples, [480, 480]);
+}
+
+/// Nothing is wanted of gaps in a panel's map, and the part is made and passes; keys of a view beside a file are refused.
+#[test]
+fn gaps_in_a_panel_s_map_are_left_out_of_the_picture() {
+    let text = PANELS.replace("VIEW", VIEW);
+    let own = design(&Profile::parse("p", "p", text.as_bytes()).unwrap()).unwrap();
+    let folder = folder();
+    let by_map = PANELS.replace("VIEW", "file = \"w.npy\"");
+    let built = |gap: bool| {
+        let is_gap = |k: usize| gap && (10..20).contains(&(k % 60)) && (20..30).contains(&(k / 60));
+        let mut profile = parsed(&by_map, &panel(&own, [60, 60], is_gap)).unwrap();
+        profile.name = if gap { "gapped" } else { "whole" }.to_owned();
+        build(&profile, folder.path(), &Silent).unwrap()
+    };
+    let [whole, gapped] = [false, true].map(built);
+    for report in [&whole, &gapped] {
+        assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    }
+    // A sample covers 2 x 2 pixels.
+    assert_eq!(whole.trace[0].rays - gapped.trace[0].rays, 400);
+    assert_eq!(gapped.design.map.unwrap().gaps, 100.0 / 3600.0);
+
+    let both = by_map.replace("file =", "hfov_deg = 40\nfile =");
+    let found = parsed(&both, &panel(&own, [60, 60], |_| false)).unwrap_err();
+    assert!(found.contains("panel[1].hfov_deg must not be there with a file"), "{found}");
 }

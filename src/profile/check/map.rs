@@ -50,9 +50,27 @@ pub(super) fn read(
     } else {
         Some(VectorKind::Direction)
     };
+    let file = named_file(reader, section)?;
+    loaded(reader, section, file, (kind?, viewpoint_mm))
+}
+
+/// The same of a section that has directions, in the part's frame, alone.
+pub(super) fn directions(reader: &mut ProfileReader, section: &Section) -> Option<MapKeys> {
+    let file = named_file(reader, section)?;
+    loaded(reader, section, file, (VectorKind::Direction, DVec3::ZERO))
+}
+
+fn named_file(reader: &mut ProfileReader, section: &Section) -> Option<Located<String>> {
     let hint = "an array of (rows, columns, 3) beside the profile, as in file = \"wanted.npy\"";
-    let file = file(reader, section, hint)?;
-    let kind = kind?;
+    file(reader, section, hint)
+}
+
+fn loaded(
+    reader: &mut ProfileReader,
+    section: &Section,
+    file: Located<String>,
+    (kind, viewpoint_mm): (VectorKind, DVec3),
+) -> Option<MapKeys> {
     let read = reader.file(&file.value, MOST_BYTES).and_then(|bytes| {
         let fault = |error: &dyn std::fmt::Display| format!("{}: {error}", file.value);
         let map = VectorMap::parse(&bytes).map_err(|error| fault(&error))?;

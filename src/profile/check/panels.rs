@@ -2,9 +2,10 @@
 
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, NumbersFormat, numbers};
-use super::super::{AzimuthalSpec, PanelSpec};
+use super::super::{PanelSpec, PanelViewSpec};
 use super::Entries;
 use super::camera::CameraName;
+use super::map::{self, MapKeys};
 use super::view::{AzimuthalKeys, LAWS, azimuthal};
 use crate::optics::{Camera, CameraModel, Mount, Target};
 
@@ -19,13 +20,27 @@ pub(super) struct PanelKeys {
     path: String,
     columns: Option<Located<[u32; 2]>>,
     rows: Option<Located<[u32; 2]>>,
-    view: AzimuthalKeys,
+    view: PanelViewKeys,
 }
+
+/// The keys of what a panel shows.
+enum PanelViewKeys {
+    Azimuthal(AzimuthalKeys),
+    /// None without a sound file.
+    Map(Option<MapKeys>),
+}
+
+/// The keys of a view, with which no file goes.
+const VIEW_KEYS: [&str; 5] = ["law", "centre_deg", "hfov_deg", "roll_deg", "mirrored"];
 
 impl PanelKeys {
     /// The panel, if every figure of it is there.
     pub(super) fn finish(self) -> Option<PanelSpec> {
-        let view: AzimuthalSpec = self.view.finish(Target::Infinity)?;
+        let far = Target::Infinity;
+        let view = match self.view {
+            PanelViewKeys::Azimuthal(keys) => PanelViewSpec::Azimuthal(keys.finish(far)?),
+            PanelViewKeys::Map(keys) => PanelViewSpec::Map(keys?.finish(far)),
+        };
         Some(PanelSpec { columns: self.columns?.value, rows: self.rows?.value, view })
     }
 
@@ -58,6 +73,26 @@ pub(super) fn read<'t>(
 fn one(reader: &mut ProfileReader, section: &Section) -> PanelKeys {
     let columns = edges(reader, section, "columns");
     let rows = edges(reader, section, "rows");
+    let view = if section.has("file") {
+        PanelViewKeys::Map(directions(reader, section))
+    } else {
+        PanelViewKeys::Azimuthal(view(reader, section))
+    };
+    PanelKeys { at: section.at, path: section.path.clone(), columns, rows, view }
+}
+
+/// The directions of a panel that are given as data.
+fn directions(reader: &mut ProfileReader, section: &Section) -> Option<MapKeys> {
+    for key in VIEW_KEYS.into_iter().filter(|key| section.has(key)) {
+        let message = format!("{} must not be there with a file", section.path_of(key));
+        let hint = "the file has a direction for each place of the panel; remove one of both";
+        reader.complain(section.at, message, hint);
+    }
+    map::directions(reader, section)
+}
+
+/// The keys of a panel's view.
+fn view(reader: &mut ProfileReader, section: &Section) -> AzimuthalKeys {
     let view = azimuthal(reader, section, &LAWS);
     if !section.has("centre_deg") {
         let message =
@@ -65,7 +100,7 @@ fn one(reader: &mut ProfileReader, section: &Section) -> PanelKeys {
         let hint = "the direction that the panel's middle shows, as in centre_deg = [90, 10]";
         reader.missing(section, message, hint);
     }
-    PanelKeys { at: section.at, path: section.path.clone(), columns, rows, view }
+    view
 }
 
 /// The first and the last edge of a panel across or down the frame.
