@@ -9,7 +9,7 @@ use crate::geom::{DVec2, angle};
 use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::num::units::Mm;
-use crate::optics::{Camera, CurlBounds, ImagingTask, Projection, reflect};
+use crate::optics::{Camera, CurlBounds, FramedView, ImagingTask, Projection, SampledMap, reflect};
 use crate::parallel;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -50,10 +50,17 @@ pub struct MapFacts {
 
 impl MapFacts {
     fn of(camera: &Camera, view: &ImagingTask) -> Option<Self> {
-        let Projection::Framed(framed) = &view.projection else { return None };
-        let map = framed.map()?;
-        let px = camera.to_px(Mm(map.interpolation_error() / map.radians_per_mm()));
-        Some(Self { samples: map.size(), gaps: map.gap_share(), interpolation_px: px.0 })
+        let views = match &view.projection {
+            Projection::Framed(view) => std::slice::from_ref(view),
+            Projection::Panels(panels) => &panels.views,
+            Projection::Strip(_) | Projection::Radial { .. } => &[],
+        };
+        let facts = |map: &SampledMap| {
+            let px = camera.to_px(Mm(map.interpolation_error() / map.radians_per_mm()));
+            Self { samples: map.size(), gaps: map.gap_share(), interpolation_px: px.0 }
+        };
+        let worse = |a: Self, b: Self| if b.interpolation_px > a.interpolation_px { b } else { a };
+        views.iter().filter_map(FramedView::map).map(facts).reduce(worse)
     }
 }
 

@@ -174,10 +174,6 @@ fn joint(all: &[DesignFacts]) -> DesignFacts {
         steps: all.iter().map(|facts| facts.steps).max().unwrap_or(0),
         condition: most(|facts| facts.condition),
         gradient_residual: all.iter().map(|facts| facts.gradient_residual).sum(),
-        map: all
-            .iter()
-            .filter_map(|facts| facts.map)
-            .reduce(|a, b| if b.interpolation_px > a.interpolation_px { b } else { a }),
         ..all[0].clone()
     }
 }

@@ -17,6 +17,8 @@ const LEAST: usize = 8;
 const UNIT: f64 = 1e-3;
 /// Samples across a gap in the data that an error next to it is not the interpolation's.
 const BESIDE: usize = 4;
+/// Rings of samples that go on beyond the frame, or a panel's part of it, at most, where those within are fewer.
+const RINGS: f64 = 512.0;
 
 /// Wanted directions over the frame that are a picture of the world: one at the centre of each of a grid of even cells.
 #[derive(Clone, PartialEq)]
@@ -215,7 +217,8 @@ impl SampledMap {
             let beyond = (frame.min - cover.min).max(cover.max - frame.max)[axis];
             let count = axes[axis].count as f64;
             // (An eighth more, as bounds look beyond the mirror.)
-            ((beyond.max(0.0) / axes[axis].step_mm).min(count) + count / 8.0) as usize + 1
+            let most = count.max(RINGS);
+            ((beyond.max(0.0) / axes[axis].step_mm).min(most) + count / 8.0) as usize + 1
         });
         let filled = [0, 1].map(|part| {
             let mut values: Vec<f64> = given.iter().map(|sigma| sigma[part]).collect();

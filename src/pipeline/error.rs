@@ -95,6 +95,17 @@ pub enum Error {
         /// Why.
         source: TurningError,
     },
+    /// A program that cuts what the mirror is formed on.
+    #[error(
+        "cannot judge a program for {profile}: its file is a {form}, whose face is not the mirror's; leave part.form out for a \
+         program that cuts the mirror itself"
+    )]
+    FormedProgram {
+        /// Profile name.
+        profile: String,
+        /// Name of the tool.
+        form: &'static str,
+    },
     /// Symmetry is no shortcut for this mirror: a fault of the program.
     #[error(
         "the reflection of {profile} does not have the mesh that its symmetry gives it; this is a fault \

@@ -1,7 +1,7 @@
 //! `pose.json`: how a part is mounted, and the errors of its camera.
 
 use super::Error;
-use crate::profile::Profile;
+use crate::profile::{Profile, ProfileFile};
 use crate::publish;
 use crate::tolerance_terms::{ActsOn, ErrorSourceRow, Perturbation};
 use serde::Deserialize;
@@ -21,9 +21,13 @@ struct PoseText {
     in_the_files: BTreeMap<String, f64>,
 }
 
-#[derive(Deserialize)]
-struct PoseProfile {
+/// The profile that it was written for.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub(super) struct PoseProfile {
     sha256: String,
+    /// The files that the profile names.
+    #[serde(default)]
+    files: Vec<ProfileFile>,
 }
 
 /// Whether what an error acts on belongs to a table.
@@ -34,8 +38,8 @@ type Acts = fn(ActsOn) -> bool;
 pub(super) struct KnownErrors {
     /// Each in its unit.
     pub errors: Vec<(Perturbation, f64)>,
-    /// Fingerprint of the profile that it was written for, if it says so.
-    pub profile: Option<String>,
+    /// The profile that it was written for, if it says so.
+    pub profile: Option<PoseProfile>,
 }
 
 impl KnownErrors {
@@ -68,15 +72,41 @@ impl KnownErrors {
                 errors.push((row.perturbation, value));
             }
         }
-        Ok(Self { errors, profile: profile.map(|profile| profile.sha256) })
+        Ok(Self { errors, profile })
     }
 
     /// A warning where it was written for another profile.
     pub(super) fn warning(&self, profile: &Profile) -> Option<String> {
-        let sha256 = self.profile.as_ref()?;
-        (*sha256 != profile.sha256).then(|| {
-            "the pose was written for another version of the profile: it is taken as it is"
-                .to_owned()
+        let id = self.profile.as_ref()?;
+        // (One that tells of no files may be older than they are.)
+        let has_others = !id.files.is_empty() && id.files != profile.files;
+        (id.sha256 != profile.sha256 || has_others).then(|| {
+            let is_text = id.sha256 != profile.sha256;
+            let what = if is_text { "the profile" } else { "a file that the profile names" };
+            format!("the pose was written for another version of {what}: it is taken as it is")
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::{Shipped, shipped};
+
+    /// A pose tells of another text, or of other files beside the same text; one that tells of no files is taken by the text alone.
+    #[test]
+    fn a_pose_of_another_profile_or_of_other_files_is_told() {
+        let Shipped { name, text } = shipped()[0];
+        let mut profile = Profile::parse(name, name, text.as_bytes()).unwrap();
+        profile.files = vec![ProfileFile::new("camera.yaml", b"one")];
+        let told = |sha256: &str, files: &[ProfileFile]| {
+            let written = PoseProfile { sha256: sha256.to_owned(), files: files.to_vec() };
+            let errors = KnownErrors { profile: Some(written), ..KnownErrors::default() };
+            errors.warning(&profile).is_some()
+        };
+        let [one, two] = [b"one", b"two"].map(|bytes| [ProfileFile::new("camera.yaml", bytes)]);
+        let sha256 = profile.sha256.clone();
+        assert_eq!([told(&sha256, &one), told(&sha256, &[])], [false; 2]);
+        assert_eq!([told(&sha256, &two), told("another", &one)], [true; 2]);
     }
 }

@@ -2,9 +2,12 @@
 //! meshes and the calibration that a profile names.
 
 use crate::export::{read_obj, read_stl};
-use crate::profile::{Complaints, GridError, NamedFiles, Profile, SagGrid, ShapeSpec, shipped};
+use crate::profile::{
+    Complaints, GridError, NamedFiles, Profile, ProfileFile, SagGrid, ShapeSpec, shipped,
+};
 use crate::publish::{self, FileError};
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::path::Path;
 use thiserror::Error;
 
@@ -24,7 +27,7 @@ impl Profile {
         let Some(file) = &self.tolerance.map_file else { return Ok(None) };
         Ok(Some(match &self.form_map {
             Some(map) => Cow::Borrowed(map),
-            None => Cow::Owned(grid(self.folder(), file)?),
+            None => Cow::Owned(grid(self.folder(), file)?.0),
         }))
     }
 
@@ -36,7 +39,9 @@ impl Profile {
     /// With the heights that the profile names.
     fn with_heights(mut self) -> Result<Self, SourceError> {
         if let ShapeSpec::Grid { file } = &self.shape {
-            self.heights = Some(grid(self.folder(), file)?);
+            let (heights, file) = grid(self.folder(), file)?;
+            self.heights = Some(heights);
+            self.files.push(file);
         }
         Ok(self)
     }
@@ -123,9 +128,15 @@ impl ProfileText {
     pub fn checked(&self) -> Result<Profile, SourceError> {
         let Self { name, named, bytes } = self;
         let folder = Path::new(named).parent().unwrap_or(Path::new(""));
+        let found = RefCell::new(Vec::new());
         let read = |file: &str, most_bytes: u64| {
             let read = publish::read_named(&folder.join(file), most_bytes);
-            read.map_err(|error| error.to_string())
+            let bytes = read.map_err(|error| error.to_string())?;
+            let (mut all, one) = (found.borrow_mut(), ProfileFile::new(file, &bytes));
+            if !all.contains(&one) {
+                all.push(one);
+            }
+            Ok(bytes)
         };
         let mesh = |file: &str| {
             let bytes = read(file, MOST_MESH)?;
@@ -136,7 +147,7 @@ impl ProfileText {
         };
         let files = NamedFiles { bytes: &read, mesh: &mesh };
         let profile = Profile::parse_with(name, named, bytes, files)?;
-        Profile { named: named.clone(), ..profile }.with_heights()
+        Profile { named: named.clone(), files: found.into_inner(), ..profile }.with_heights()
     }
 }
 
@@ -162,10 +173,12 @@ pub fn load(named: &str) -> Result<Profile, SourceError> {
 }
 
 /// The heights in `file`, relative to `folder`.
-fn grid(folder: &Path, file: &str) -> Result<SagGrid, SourceError> {
+fn grid(folder: &Path, file: &str) -> Result<(SagGrid, ProfileFile), SourceError> {
     let path = folder.join(file);
-    SagGrid::parse(&publish::read_named(&path, MOST_HEIGHTS)?)
-        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })
+    let bytes = publish::read_named(&path, MOST_HEIGHTS)?;
+    let heights = SagGrid::parse(&bytes)
+        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })?;
+    Ok((heights, ProfileFile::new(file, &bytes)))
 }
 
 #[cfg(test)]
@@ -200,6 +213,7 @@ export.formats = [\"stl\"]
         };
         write(&lines);
         let source = load(named).unwrap();
+        assert_eq!(source.files, [ProfileFile::new("data/sag.csv", lines.join("\n").as_bytes())]);
         assert_eq!(source.heights.unwrap().z_mm, [0.5; 16]);
 
         lines[6] = "0,-1,low".into();
@@ -272,6 +286,7 @@ D: [-0.3, 0.1, 0.001, 0]
         fs::write(&camera, CAMERA).unwrap();
         let found = load(named).unwrap();
         assert_eq!(found.camera_file.as_deref(), Some("data/camera.yaml"));
+        assert_eq!(found.files, [ProfileFile::new("data/camera.yaml", CAMERA.as_bytes())]);
         let CameraModel::Calibrated { pixels, focal_px, principal_px, distance_mm, .. } =
             found.camera
         else {

@@ -47,13 +47,17 @@ pub(super) enum ProgramTool {
 /// Reads a program and cuts the mirror of `design` with a tool along its moves.
 ///
 /// # Errors
-/// [`Error::Turning`] of a lathe's program for a mirror that is not round, or of one with an axis C for a mirror that is no disc.
+/// [`Error::FormedProgram`] of a tool on which the mirror is formed, [`Error::Turning`] of a lathe's program for a mirror that is not round, or of one with an axis C for a mirror that is no disc.
 pub(super) fn programmed(
     run: &Run,
     design: &Design,
     bytes: &[u8],
     tool: ProgramTool,
 ) -> Result<Programmed, Error> {
+    if let Some(formed) = &run.profile.part.forming {
+        let (profile, form) = (run.profile.name.clone(), formed.form.name());
+        return Err(Error::FormedProgram { profile, form });
+    }
     let cut = match tool {
         ProgramTool::Cutter(cutter) => {
             let path = match read(run, || ToolPath::read(bytes), |path| path) {

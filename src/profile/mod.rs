@@ -17,6 +17,7 @@ mod hole;
 mod lines;
 mod mesh_goal;
 mod obstacle;
+mod profile_file;
 mod program;
 mod program_words;
 mod projection;
@@ -42,7 +43,6 @@ use serde::{Deserialize, Serialize};
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
 pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
 pub use calibration::{CalibrationError, CalibrationFile, CoefficientFault, LensModel};
-pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use drawing::{DrawingSpec, PaperSize, TitleBlock, ViewArrangement};
 pub use edit::KeyStep;
@@ -54,6 +54,7 @@ pub use forming::{FormingSpec, MirrorSide, ToolForm, Vents};
 pub use hole::{HoleSpec, under_rim};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
+pub use profile_file::{ProfileFile, hex, sha256};
 pub use program::{
     CutterLengths, FinishingSpec, MachineSpec, MillSpec, ProgramSpec, RoughingSpec, SpeedsSpec,
 };
@@ -111,6 +112,9 @@ pub struct Profile {
     pub name: String,
     /// SHA-256 of the profile's bytes, in lower-case hexadecimal.
     pub sha256: String,
+    /// The files that it names, in the order in which they were read: calibration, directions, meshes, heights. A tolerance's map of form
+    /// errors, which is read where it is asked for, is not among them.
+    pub files: Vec<ProfileFile>,
     /// The name by which it was loaded: the files that it names lie beside that.
     pub named: String,
     /// Purpose of the mirror in the author's words; empty if not given.

@@ -143,7 +143,7 @@ pub enum PanelViewSpec {
 pub struct MapSpec {
     /// The file, as the profile names it.
     pub file: String,
-    /// SHA-256 of its bytes, in lower-case hexadecimal.
+    /// SHA-256 of its bytes, in lower-case hexadecimal, by which a build knows another one.
     pub sha256: String,
     /// The directions that the frame must show, from the target's origin.
     pub samples: Arc<DirectionSamples>,

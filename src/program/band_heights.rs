@@ -41,10 +41,9 @@ impl BandHeights {
         self.heights.len() / self.columns
     }
 
-    /// Place number `k`.
-    pub(super) fn place(&self, k: usize) -> DVec2 {
-        let [column, row] = [k % self.columns, self.from + k / self.columns];
-        self.first + self.pitch_mm * DVec2::new(column as f64, row as f64)
+    /// The place of a row and a column.
+    pub(super) fn place(&self, row: usize, column: usize) -> DVec2 {
+        self.first + self.pitch_mm * DVec2::new(column as f64, (self.from + row) as f64)
     }
 
     pub(super) fn height(&self, k: usize) -> f64 {
@@ -89,9 +88,10 @@ impl BandHeights {
             }
             let here = columns.start.max(tile * TILE)..columns.end.min((tile + 1) * TILE);
             for row in rows.clone() {
-                for k in here.clone().map(|column| row * self.columns + column) {
-                    if self.heights[k] > least {
-                        least = found(self.place(k), self.heights[k]);
+                for column in here.clone() {
+                    let z = self.heights[row * self.columns + column];
+                    if z > least {
+                        least = found(self.place(row, column), z);
                     }
                 }
             }

@@ -34,6 +34,11 @@ pub(super) struct CutterMove {
     /// Direction in the plan, of unit length, and length there; no direction of a move straight up or down.
     way: DVec2,
     length: f64,
+    /// Z of the lower tip, and the middle of the move in the plan, mm.
+    low_mm: f64,
+    middle: DVec2,
+    /// Distance from the middle within which the flat part may come, mm.
+    flat_reach: f64,
 }
 
 impl CutterMove {
@@ -46,19 +51,25 @@ impl CutterMove {
         let centres = tips.map(|tip| tip + DVec3::Z * cutter.radius_mm);
         let way = (tips[1] - tips[0]).truncate();
         let length = way.length();
-        Self { cutter, tips, centres, way: way.normalize_or_zero(), length }
+        Self {
+            cutter,
+            tips,
+            centres,
+            way: way.normalize_or_zero(),
+            length,
+            low_mm: tips[0].z.min(tips[1].z),
+            middle: 0.5 * (tips[0] + tips[1]).truncate(),
+            flat_reach: 0.5 * length + cutter.flat_mm(),
+        }
     }
 
     /// A height that the cutter is nowhere below at a place, mm: that of its lowest tip, and beside the flat part the paraboloid of the corner's
     /// curvature.
     pub(super) fn least(&self, at: DVec2) -> f64 {
-        let [from, to] = self.tips.map(DVec3::truncate);
-        let lowest = self.tips[0].z.min(self.tips[1].z);
-        let beside = (at.distance(0.5 * (from + to)) - 0.5 * from.distance(to)).max(0.0);
-        let beyond = (beside - self.cutter.flat_mm()).max(0.0);
+        let beyond = at.distance(self.middle) - self.flat_reach;
         match beyond > 0.0 {
-            true => lowest + beyond * beyond / (2.0 * self.cutter.corner_mm),
-            false => lowest,
+            true => self.low_mm + beyond * beyond / (2.0 * self.cutter.corner_mm),
+            false => self.low_mm,
         }
     }
 

@@ -36,7 +36,7 @@ impl TurningPath {
         let (mut turns, mut lathe) = (Vec::new(), LatheState::default());
         let (mut all, mut axis) = (0.0, CommandedAxis::default());
         let tool =
-            each_line(bytes, ControlState::new(), Vocabulary::Lathe, |block, state, path| {
+            each_line(bytes, ControlState::of_lathe(), Vocabulary::Lathe, |block, state, path| {
                 let fault = |reason| ProgramFault::Line { line: block.line(), reason };
                 // A lathe has no Y.
                 state.place[1] = Some(0.0);
@@ -216,6 +216,9 @@ mod tests {
             }
             assert_eq!(found.tool.moves.last().unwrap().to, DVec3::new(15.0, 0.0, 0.0), "{arc}");
         }
+        // G18 is in force from the beginning, and no other plane is.
+        let whole = read(&format!("{head}G3 X30 Z0 K-5"));
+        assert_eq!(read(&format!("{}G3 X30 Z0 K-5", head.replace("G18 ", ""))), whole);
         // Clockwise it takes the long way round.
         let clockwise = read(&format!("{head}G2 X30 Z0 K-5"));
         assert!(clockwise.tool.moves.iter().any(|step| step.to.x < 5.1));
@@ -241,6 +244,8 @@ mod tests {
                 "line 5: a cutting move while the spindle stands; M3 and an S word greater than 0 turn it",
             ),
             ("G1 X5 F0", "line 4: a cutting move without a feed; an F word greater than 0 sets it"),
+            ("G17 G3 X1 R90", "line 4: arcs of a lathe lie in the plane of X and Z, G18"),
+            ("G19 G2 Z1 R90", "line 4: arcs of a lathe lie in the plane of X and Z, G18"),
             ("G33 Z1 K1", "line 4: G33 is no word that is known here"),
             ("G76 P1 Z1", "line 4: G76 is no word that is known here"),
             ("G1 X5 S1 S2", "line 4: S twice"),

@@ -44,6 +44,11 @@ impl ControlState {
         }
     }
 
+    /// That of a lathe: arcs in ZX.
+    pub(super) fn of_lathe() -> Self {
+        Self { plane: ArcPlane::ZX, ..Self::new() }
+    }
+
     /// Where the words of X, Y and Z lead to.
     pub(super) fn target(
         &self,

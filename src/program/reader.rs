@@ -287,6 +287,9 @@ impl LineWords {
         let Some((from, to)) = ends else {
             return self.fault("an arc before lines have told X, Y and Z of its start".into());
         };
+        if self.lathe.is_some() && plane != ArcPlane::ZX {
+            return self.fault("arcs of a lathe lie in the plane of X and Z, G18".into());
+        }
         let told = |k: usize| self.centre[plane.0[k]].map(|value| value * state.unit_mm);
         if self.centre[plane.0[2]].is_some() {
             return self.fault("a centre beside the plane of arcs, G17, G18 or G19".into());

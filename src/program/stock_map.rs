@@ -165,7 +165,7 @@ impl Band {
         for row in rows {
             for column in columns.clone() {
                 let k = row * self.heights.columns() + column;
-                let (at, height) = (self.heights.place(k), self.heights.height(k));
+                let (at, height) = (self.heights.place(row, column), self.heights.height(k));
                 // Most places are lower by then.
                 if height <= passed.least(at) {
                     continue;

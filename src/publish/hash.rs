@@ -80,14 +80,10 @@ pub fn hash_pieces(
     Ok((length, hex(&hash.finalize())))
 }
 
-/// SHA-256 in hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    hex(&Sha256::digest(bytes))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::sha256;
 
     /// Takes so many bytes at a time, and each third time none.
     struct Reluctant {

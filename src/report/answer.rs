@@ -69,7 +69,7 @@ pub trait Answer: Serialize {
     fn laid_out(&self, layout: &TextLayout) -> String {
         let Head { profile, verdict, reasons, .. } = self.head();
         let mut out = String::new();
-        if let Some(ProfileId { name, sha256 }) = profile {
+        if let Some(ProfileId { name, sha256, .. }) = profile {
             out += &visible(&format!("{name}  ({})\n", &sha256[..sha256.len().min(8)]));
         }
         let mut rows = self.rows();

@@ -117,6 +117,9 @@ impl BuildReport {
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         let mut rows = AnswerRows::default();
         rows.page("profile sha256", &self.profile.sha256);
+        for file in &self.profile.files {
+            rows.page(format!("{} sha256", file.name), &file.sha256);
+        }
         rows.append(AnswerRows::of(&[
             tool,
             layout,

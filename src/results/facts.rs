@@ -1,7 +1,7 @@
 //! Facts that several answers have: the shapes of parts of their JSON.
 
 use crate::num::stats::{Summary, or_null, unless_null};
-use crate::profile::Profile;
+use crate::profile::{Profile, ProfileFile};
 use crate::publish::sha256;
 use crate::solid::SolidCheck;
 use serde::{Deserialize, Serialize};
@@ -17,11 +17,15 @@ pub struct ProfileId {
     pub name: String,
     /// SHA-256 of its text, hexadecimal.
     pub sha256: String,
+    /// The files that it names; absent of one that names none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<ProfileFile>,
 }
 
 impl From<&Profile> for ProfileId {
     fn from(profile: &Profile) -> Self {
-        Self { name: profile.name.clone(), sha256: profile.sha256.clone() }
+        let Profile { name, sha256, files, .. } = profile;
+        Self { name: name.clone(), sha256: sha256.clone(), files: files.clone() }
     }
 }
 

@@ -190,8 +190,11 @@ impl OpticalSystem {
         self.basis.wave_vectors().map(|vector| footprint.ripple(vector)).collect()
     }
 
-    /// Chart coordinates of the mirror's point that the image point `q` sees.
+    /// Chart coordinates of the mirror's point that the image point `q` sees; none of one of which nothing is wanted.
     pub(super) fn sees(&self, q: DVec2) -> Option<DVec2> {
+        if !self.view.projection.wants(q) {
+            return None;
+        }
         let on_chart = self.camera.picture.chart_point(q);
         let place = self.mirror.intersect_camera_ray(&self.camera.chart, on_chart)?;
         self.mirror.full_outline().aims(place).then_some(place)

@@ -177,7 +177,7 @@ pub enum TurningError {
         most: f64,
     },
     /// A tool on which a mirror is formed.
-    #[error("a {form} is made by its build: leave part.forming out to turn the mirror itself")]
+    #[error("a {form} is made by its build: leave part.form out to turn the mirror itself")]
     Formed {
         /// Name of the tool.
         form: &'static str,

@@ -23,6 +23,7 @@ fn the_shipped_conquistador_is_the_papers() {
             heights: None,
             form_map: None,
             sha256: profile.sha256.clone(),
+            files: Vec::new(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: CameraModel::Orthographic { pixels: [640, 480] },
             mount: Mount::default(),

@@ -1,13 +1,12 @@
 //! A picture given as data: its keys and its file.
 
 use super::super::MapSpec;
+use super::super::profile_file::sha256;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, file, word};
 use super::super::vector_map::{MOST_BYTES, VectorMap};
-use super::hex;
 use crate::geom::DVec3;
 use crate::optics::{DirectionSamples, Target};
-use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
 /// What the vectors of a map are.
@@ -82,7 +81,7 @@ fn loaded(
         let directions = map.vectors.iter().map(towards).collect();
         let samples =
             DirectionSamples::new(map.columns, directions).map_err(|error| fault(&error))?;
-        Ok((map, samples, hex(&Sha256::digest(&bytes))))
+        Ok((map, samples, sha256(&bytes)))
     });
     match read {
         Ok((map, samples, sha256)) => Some(MapKeys { file, sha256, kind, map, samples }),

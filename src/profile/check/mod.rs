@@ -30,9 +30,9 @@ mod tolerance;
 mod turning;
 mod view;
 
-use sha2::{Digest, Sha256};
 use toml::de::{DeTable, DeValue};
 
+use super::profile_file::sha256;
 use super::reader::Need::{Optional, Required};
 use super::reader::{ProfileReader, Section};
 use super::{Layout, PartSpec, Profile};
@@ -159,7 +159,8 @@ pub(super) fn profile(
     Some(Profile {
         name: name.to_owned(),
         named: name.to_owned(),
-        sha256: hex(&Sha256::digest(bytes)),
+        sha256: sha256(bytes),
+        files: Vec::new(),
         summary: summary.unwrap_or_default(),
         lens: camera.as_ref()?.lens,
         camera_file: camera.as_ref()?.file.clone(),
@@ -224,9 +225,4 @@ fn summary(reader: &mut ProfileReader, root: &Section) -> Option<String> {
 fn only<T>(mut several: Vec<T>) -> Option<T> {
     let last = several.pop();
     last.filter(|_| several.is_empty())
-}
-
-/// Bytes in hexadecimal, two lower-case digits each.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

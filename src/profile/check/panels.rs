@@ -83,10 +83,13 @@ fn one(reader: &mut ProfileReader, section: &Section) -> PanelKeys {
 
 /// The directions of a panel that are given as data.
 fn directions(reader: &mut ProfileReader, section: &Section) -> Option<MapKeys> {
-    for key in VIEW_KEYS.into_iter().filter(|key| section.has(key)) {
-        let message = format!("{} must not be there with a file", section.path_of(key));
-        let hint = "the file has a direction for each place of the panel; remove one of both";
+    let given: Vec<&str> = VIEW_KEYS.into_iter().filter(|key| section.has(key)).collect();
+    if !given.is_empty() {
+        let (path, given) = (section.path_of("file"), given.join(", "));
+        let message = format!("{path} must be alone, found a view's {given}");
+        let hint = "the file has a direction for each place of the panel; remove it, or these keys";
         reader.complain(section.at, message, hint);
+        return None;
     }
     map::directions(reader, section)
 }

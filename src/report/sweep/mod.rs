@@ -167,7 +167,11 @@ pub(super) mod tests {
         let report = SweepReport {
             schema: SCHEMA,
             study: "trade".into(),
-            profile: ProfileId { name: "base".into(), sha256: "0123456789".into() },
+            profile: ProfileId {
+                name: "base".into(),
+                sha256: "0123456789".into(),
+                files: Vec::new(),
+            },
             command: SweepCommand::Design,
             points: 4,
             made: 3,

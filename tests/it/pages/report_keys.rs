@@ -108,6 +108,19 @@ const LEG: &str = "\
 cylinder = { from_mm = [0, 16, -30], to_mm = [0, 16, 4], radius_mm = 1.5 }
 ";
 
+/// A body in a file, where nobody looks.
+const ASIDE: &str = "[[obstacle]]\nstl.file = \"aside.stl\"\n";
+const BODY: &str = "solid aside
+facet normal 0 0 1
+outer loop
+vertex 900 900 -90
+vertex 901 900 -90
+vertex 900 901 -90
+endloop
+endfacet
+endsolid aside
+";
+
 /// A study with a pair of axes, a point that fails, and a column that no point has.
 const STUDY: &str = "\
 profile = 'all.toml'
@@ -131,11 +144,11 @@ impl Runs {
         // No limits of errors keep a budget that the design itself exceeds.
         let unmet = "\n[tolerance]\nbudget_px = 0.01\nreference = \"projection\"\n";
         for (name, text) in [
-            ("all", edited(SMALL, &[formats])),
+            ("all", edited(SMALL, &[formats]) + ASIDE),
             ("budget", edited(SMALL, &[lens, budget, ("\"stl\", \"obj\"", "\"obj\", \"csv\"")])),
-            ("valley", edited(SMALL, &[valley]) + unmet + BLIND),
+            ("valley", edited(SMALL, &[valley]) + unmet + BLIND + ASIDE),
             ("given", GIVEN.into()),
-            ("round", ROUND.into()),
+            ("round", format!("{ROUND}{ASIDE}")),
             ("turned", format!("{ROUND}{LATHE}")),
             ("servo", format!("{ROUND}{SERVO}")),
             ("obstructed", format!("{ROUND}{ROUGHED}{LEG}")),
@@ -143,11 +156,15 @@ impl Runs {
             ("map", MAP.into()),
             ("panels", PANELS.into()),
             ("formed", edited(SMALL, &[("base_mm = 2", FORMED)])),
-            ("rimmed", edited(SMALL, &[("base_mm = 2", RIM), ("\"stl\", \"obj\"", "\"pdf\"")])),
+            (
+                "rimmed",
+                edited(SMALL, &[("base_mm = 2", RIM), ("\"stl\", \"obj\"", "\"pdf\"")]) + ASIDE,
+            ),
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
         }
         std::fs::write(runs.path("study.toml"), STUDY).unwrap();
+        std::fs::write(runs.path("aside.stl"), BODY).unwrap();
         let direction = |k: u32| {
             let (row, column) = (k / 16, k % 16);
             let [x, y] = [f64::from(column) - 7.5, 5.5 - f64::from(row)].map(|x| x / 16.0);
