@@ -12,6 +12,11 @@ pub(super) enum Motion {
     Arc { is_clockwise: bool },
 }
 
+/// The largest place or radius, mm, and feed, mm/min: a kilometre, or as much a minute.
+pub(super) const LARGEST: f64 = 1e6;
+/// Names of the axes.
+const AXES: [&str; 3] = ["X", "Y", "Z"];
+
 /// Modes and place. The place of an axis is unknown until the program has told it, and after a move to a place of the
 /// machine.
 #[derive(Debug, Clone)]
@@ -64,12 +69,16 @@ impl ControlState {
                 (false, _) => Some(value),
                 (true, Some(before)) => Some(before + value),
                 (true, None) => {
-                    let name = ["X", "Y", "Z"][k];
+                    let name = AXES[k];
                     let reason =
                         format!("a relative move in {name}, whose place no line before has told");
                     return Err(ProgramFault::Line { line, reason });
                 }
             };
+            if target[k].is_some_and(|place| place.abs() > LARGEST) {
+                let reason = format!("{} is beyond any machine", AXES[k]);
+                return Err(ProgramFault::Line { line, reason });
+            }
         }
         Ok(target)
     }

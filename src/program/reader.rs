@@ -2,13 +2,11 @@
 
 use super::arc::{Arc, ArcPlane};
 use super::lathe_words::LatheWords;
-use super::modal::{ControlState, Motion};
+use super::modal::{ControlState, LARGEST, Motion};
 use super::words::Word;
 use super::{ProgramFault, ToolMove};
 use crate::geom::DVec3;
 
-/// The largest number of a place, a radius or a feed: a kilometre, or as much a minute.
-const LARGEST: f64 = 1e6;
 /// Millimetres to an inch.
 const INCH: f64 = 25.4;
 
@@ -212,6 +210,10 @@ impl LineWords {
         state.has_absolute_centres =
             self.has_absolute_centres.unwrap_or(state.has_absolute_centres);
         state.feed = self.feed.map(|feed| feed * state.unit_mm).or(state.feed);
+        // (Inches are more than what was read as a number. Of a lathe F may be the inverse of a time.)
+        if self.lathe.is_none() && state.feed.is_some_and(|feed| feed > LARGEST) {
+            return self.fault("F is beyond any machine".into());
+        }
         if self.cancels_motion {
             state.motion = None;
         }
@@ -313,6 +315,9 @@ impl LineWords {
         let feed = Some(state.cutting_feed(line)?);
         let mut from_place: DVec3 = from;
         for to in (Arc { plane, is_clockwise, from, to, centre }).chords().map_err(fault)? {
+            if to.abs().max_element() > LARGEST {
+                return self.fault("an arc goes beyond any machine".into());
+            }
             moves.push(ToolMove { from: from_place, to, feed, line });
             from_place = to;
         }
@@ -432,6 +437,9 @@ mod tests {
             ),
             ("G1 X1e3 F1", "line 2: E is no word that is known here"),
             ("G1 X9999999 F1", "line 2: X is beyond any machine"),
+            ("G20 G1 X5 F90000", "line 2: F is beyond any machine"),
+            ("G20 G1 X90000 F1", "line 2: X is beyond any machine"),
+            ("F9 G2 X0 Y0 I600000", "line 2: an arc goes beyond any machine"),
             ("M30", "it has no feed move"),
         ] {
             assert_eq!(refused(&format!("{start}{text}")), said);
