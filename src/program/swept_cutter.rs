@@ -10,7 +10,7 @@
 //! its middle; one of radius `R - d` is nowhere lower. So in a large square a move is left out where its larger ball is above the
 //! smaller ball of another. In a small one slopes tell more. What one move leaves is convex too, as the lower side is: it is nowhere below its tangent over the middle. The lowest one over
 //! the middle is nowhere above its own tangent by more than `B d^2 / 2`, with the largest second derivative B of the lower side within `d` of the
-//! place that is over the middle. So a move is left out where it is higher there by more than `|p - q| d + B d^2 / 2`, with both slopes p and q;
+//! place that is over the middle. So a move is left out where it is higher there by more than `|p - q| d + B d^2 / 2`, with its slope p and that of the lowest one, q;
 //! and one that does not come over the middle where its larger cutter is higher than the lowest place by more than `|q| d + B d^2 / 2`, the most that it
 //! rises to within the square.
 //!
