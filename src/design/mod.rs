@@ -20,6 +20,7 @@ mod minimax;
 mod mirror_point;
 mod mounting;
 mod obstacles;
+mod panel_joint;
 mod panels;
 #[cfg(test)]
 mod paper_mirrors;

@@ -1,21 +1,17 @@
-//! Panels side by side: each is a mirror that is solved for alone, and all are raised or lowered to meet with the least
-//! steps.
+//! Panels side by side: each is a mirror that is solved for alone, and all are raised or lowered to meet with
+//! small steps that shadow little.
 //!
 //! Under a pinhole a mirror that shows what is far away may be scaled about the entrance pupil, which adds a constant to
 //! its height f over the chart and changes nothing of what it shows. A panel's height is therefore free. Where two
 //! panels meet, the wall between them lies in a plane through the pupil, so that the camera sees its edge alone.
-//!
-//! A wall must not cross itself: along the whole of a line between panels those on one side are above those on the
-//! other. Which side is above follows from an order of the panels; every order is tried. There always is one: panels and
-//! lines are convex and apart, so that in a direction which is along no line none comes before itself, and each line lies
-//! between the panels on both of its sides.
 
 use super::cause::FailureCause;
 use super::facts::{DesignFacts, DividingLineFacts};
 use super::layout::{DesignProblem, rectangle_of};
+use super::panel_joint::PanelJoint;
 use super::surface;
-use crate::geom::{CommonStretch, DVec2, DividingLine, Outline, Panels, Rect};
-use crate::mirror::{HeightField, Mirror, PanelledSurface, Surface, TensorLegendre};
+use crate::geom::{DVec2, DividingLine, Outline, Panels, Rect};
+use crate::mirror::{Mirror, PanelledSurface, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::num::radians;
 use crate::num::units::Mm;
@@ -25,9 +21,7 @@ use crate::optics::{
 use crate::profile::{Method, PanelSpec, PanelViewSpec, Profile};
 use std::sync::Arc;
 
-/// Least height of a wall, mm: more than flat facets depart from the mirror, and than a file rounds.
-const LEAST_STEP_MM: f64 = 0.1;
-/// Places along a line between panels at which their heights are compared.
+/// Places along a line between panels at which its picture is compared with the edge that it stands for.
 const PLACES: usize = 257;
 
 /// The panels' problem as a whole, and its mirror.
@@ -67,7 +61,8 @@ pub(super) fn solved(
         sheets.push(sheet);
         all_facts.push(facts);
     }
-    let raised = heights(&parts, &lines, &sheets)
+    let raised = PanelJoint::new(&camera.chart, &parts, &lines, &sheets)
+        .heights()
         .ok_or(FailureCause::NotFinite { what: "step between panels" })?;
     let sheets = sheets.iter().zip(raised).map(|(sheet, by)| raise(sheet, by)).collect();
     let mirror = Mirror {
@@ -175,192 +170,5 @@ fn joint(all: &[DesignFacts]) -> DesignFacts {
         condition: most(|facts| facts.condition),
         gradient_residual: all.iter().map(|facts| facts.gradient_residual).sum(),
         ..all[0].clone()
-    }
-}
-
-/// Two panels on both sides of a line between panels.
-struct Meeting {
-    /// The line.
-    line: usize,
-    /// The panel below the line's coordinate and the one above.
-    pair: [usize; 2],
-    /// Least and largest height of the first over the second, mm.
-    over: [f64; 2],
-    /// Length of the line that they have in common, mm: 0 where they touch at a corner alone.
-    length_mm: f64,
-    /// Mean height of the first over the second, mm.
-    mean_mm: f64,
-}
-
-/// How much each panel is raised, mm; none where a height on a line between panels is no number.
-fn heights(parts: &Panels, lines: &[DividingLine], sheets: &[TensorLegendre]) -> Option<Vec<f64>> {
-    let meetings: Vec<Meeting> =
-        lines.iter().enumerate().flat_map(|(k, line)| meetings(parts, sheets, k, line)).collect();
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for_each_order(parts.0.len(), &mut |order| {
-        let Some(signs) = sides_above(lines, order) else { return };
-        let raised = least_steps(&meetings, &signs, order);
-        let walls_mm2: f64 = meetings
-            .iter()
-            .map(|m| {
-                m.length_mm * signs[m.line] * (m.mean_mm + raised[m.pair[0]] - raised[m.pair[1]])
-            })
-            .sum();
-        if walls_mm2.is_finite() && best.as_ref().is_none_or(|(least, _)| walls_mm2 < *least) {
-            best = Some((walls_mm2, raised));
-        }
-    });
-    let (_, raised) = best?;
-    let area: f64 = parts.0.iter().map(Rect::area).sum();
-    let mean = parts.0.iter().zip(&raised).map(|(part, by)| part.area() * by).sum::<f64>() / area;
-    Some(raised.into_iter().map(|by| by - mean).collect())
-}
-
-/// The pairs of panels on both sides of a line.
-fn meetings(
-    parts: &Panels,
-    sheets: &[TensorLegendre],
-    number: usize,
-    line: &DividingLine,
-) -> Vec<Meeting> {
-    let meeting = |stretch: CommonStretch| {
-        let CommonStretch { pair, ends: [from, to] } = stretch;
-        let length_mm = to - from;
-        let over = |k: usize| {
-            let q = line.place(from + length_mm * (k as f64 / (PLACES - 1) as f64));
-            let [below, above] = pair.map(|k| sheets[k].height(q));
-            below - above
-        };
-        let all: Vec<f64> = (0..PLACES).map(over).collect();
-        let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mean_mm = all.iter().sum::<f64>() / PLACES as f64;
-        Meeting { line: number, pair, over: [least, most], length_mm, mean_mm }
-    };
-    line.stretches(parts).into_iter().map(meeting).collect()
-}
-
-/// Calls `visit` with every order of the numbers below `count`, each as the rank of each number.
-fn for_each_order(count: usize, visit: &mut impl FnMut(&[usize])) {
-    fn place(ranks: &mut Vec<usize>, count: usize, visit: &mut impl FnMut(&[usize])) {
-        if ranks.len() == count {
-            return visit(ranks);
-        }
-        for rank in 0..count {
-            if !ranks.contains(&rank) {
-                ranks.push(rank);
-                place(ranks, count, visit);
-                ranks.pop();
-            }
-        }
-    }
-    place(&mut Vec::new(), count, visit);
-}
-
-/// For each line 1 where its first side is above the second in this order of the panels and -1 where it is below;
-/// none where a line has panels on one side between those on the other.
-fn sides_above(lines: &[DividingLine], rank: &[usize]) -> Option<Vec<f64>> {
-    let sign = |line: &DividingLine| {
-        let ranks = |side: usize| line.sides[side].iter().map(|&k| rank[k]);
-        if ranks(0).min() > ranks(1).max() {
-            Some(1.0)
-        } else if ranks(0).max() < ranks(1).min() {
-            Some(-1.0)
-        } else {
-            None
-        }
-    };
-    lines.iter().map(sign).collect()
-}
-
-/// How much each panel is raised in an order of them, mm: one after the other as little as the walls below take, and then
-/// each as far as makes the walls smaller, as often as there are panels.
-fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> {
-    let count = rank.len();
-    // The upper and the lower panel of each meeting, and by how much more the upper one must be raised.
-    let steps: Vec<([usize; 2], f64, f64)> = meetings
-        .iter()
-        .map(|m| {
-            let ([a, b], [least, most]) = (m.pair, m.over);
-            match signs[m.line] > 0.0 {
-                true => ([a, b], LEAST_STEP_MM - least, m.length_mm),
-                false => ([b, a], LEAST_STEP_MM + most, m.length_mm),
-            }
-        })
-        .collect();
-    let mut raised = vec![0.0f64; count];
-    let floor = |raised: &[f64], k: usize| {
-        let needed = steps.iter().filter(|(pair, ..)| pair[0] == k);
-        needed.map(|(pair, rise, _)| raised[pair[1]] + rise).reduce(f64::max)
-    };
-    let ceiling = |raised: &[f64], k: usize| {
-        let needed = steps.iter().filter(|(pair, ..)| pair[1] == k);
-        needed.map(|(pair, rise, _)| raised[pair[0]] - rise).reduce(f64::min)
-    };
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by_key(|&k| rank[k]);
-    for &k in &order {
-        raised[k] = floor(&raised, k).unwrap_or(0.0);
-    }
-    // A panel that moves may free its neighbours.
-    for _ in 0..count {
-        for &k in order.iter().rev() {
-            let length = |side: usize| -> f64 {
-                steps.iter().filter(|(pair, ..)| pair[side] == k).map(|step| step.2).sum()
-            };
-            let to = if length(0) > length(1) { floor(&raised, k) } else { ceiling(&raised, k) };
-            raised[k] = to.unwrap_or(raised[k]);
-        }
-    }
-    raised
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Side of the grid whose tilings are tried.
-    const GRID: usize = 4;
-
-    /// Adds every tiling of the cells that are not `taken` by as many rectangles as `left` at most.
-    fn tilings(taken: [[bool; GRID]; GRID], left: usize, made: &Panels, all: &mut Vec<Panels>) {
-        let free = (0..GRID * GRID).find(|k| !taken[k / GRID][k % GRID]);
-        let Some(first) = free else { return all.push(made.clone()) };
-        if left == 0 {
-            return;
-        }
-        let (row, column) = (first / GRID, first % GRID);
-        for bottom in row + 1..=GRID {
-            for right in column + 1..=GRID {
-                let (mut now, mut is_free) = (taken, true);
-                for line in &mut now[row..bottom] {
-                    for cell in &mut line[column..right] {
-                        is_free &= !std::mem::replace(cell, true);
-                    }
-                }
-                if is_free {
-                    let [min, max] = [[column, row], [right, bottom]]
-                        .map(|[x, y]| DVec2::new(x as f64, y as f64));
-                    let mut more = made.clone();
-                    more.0.push(Rect { min, max });
-                    tilings(now, left - 1, &more, all);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn every_arrangement_has_an_order_without_crossing_walls() {
-        let mut all = Vec::new();
-        tilings([[false; GRID]; GRID], 6, &Panels(Vec::new()), &mut all);
-        // Rectangles of one, two and three, and so on: a pinwheel is among them.
-        assert!(all.len() > 1000, "{}", all.len());
-        for tiling in all {
-            let (lines, mut found) = (tiling.dividing_lines(), 0);
-            for_each_order(tiling.0.len(), &mut |order| {
-                found += usize::from(sides_above(&lines, order).is_some());
-            });
-            assert!(found > 0, "{tiling:?}");
-        }
     }
 }

@@ -17,6 +17,12 @@ pub struct DerivativeBounds {
 }
 
 impl DerivativeBounds {
+    /// What holds of no point.
+    pub const EMPTY: Self = {
+        let none = Interval { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+        Self { f: none, slope: [none; 2], hessian: [none; 3], third: [none; 4] }
+    };
+
     /// What holds in both of two regions.
     #[must_use]
     pub fn union(self, other: Self) -> Self {

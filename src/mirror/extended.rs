@@ -23,7 +23,7 @@ impl Mirror {
         let reflected = self.reflects(q);
         let q = if reflected { DVec2::new(q.x, -q.y) } else { q };
         let known = self.outline.nearest(q);
-        let (point, hessian) = (self.surface.at(known), self.surface.hessian(known));
+        let (point, hessian) = self.surface.at_with_hessian(known);
         let (beyond, turn) = (q - known, hessian.times(q - known));
         let f = point.f + beyond.dot(point.slope + 0.5 * turn);
         let point = HeightAndSlope { f, slope: point.slope + turn };
@@ -34,16 +34,22 @@ impl Mirror {
     /// The mirror's point over (X, Y) = `xy`; none where Newton's method finds none.
     #[must_use]
     pub fn extended_surface_over(&self, xy: DVec2) -> Option<LocalSurface> {
+        Some(self.extended_surface_near(xy, xy)?.0)
+    }
+
+    /// The same, searched for from `near` of the chart on, and its coordinates on the chart.
+    #[must_use]
+    pub fn extended_surface_near(&self, xy: DVec2, near: DVec2) -> Option<(LocalSurface, DVec2)> {
         if self.chart.is_plan() {
-            return Some(self.extended_surface(xy));
+            return Some((self.extended_surface(xy), xy));
         }
         let size = self.full_outline().bounds().size().max_element();
-        let mut q = xy;
+        let mut q = near;
         for _ in 0..MOST_STEPS {
             let (surface, jacobian) = self.extended_surface_and_jacobian(q);
             let off = xy - surface.at.truncate();
             if off.length() <= 1e-12 * size {
-                return Some(surface);
+                return Some((surface, q));
             }
             q += jacobian.step(off);
         }

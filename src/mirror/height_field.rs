@@ -52,6 +52,12 @@ impl Hessian {
         DVec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / self.det()
     }
 
+    /// That of the sum of two surfaces.
+    #[inline]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self { xx: self.xx + other.xx, xy: self.xy + other.xy, yy: self.yy + other.yy }
+    }
+
     /// Whether the matrix is positive definite: the surface is hollow in every direction.
     #[must_use]
     pub fn is_positive_definite(&self) -> bool {
@@ -98,6 +104,12 @@ pub trait HeightField: Sized {
 
     /// Second derivatives at one point, 1/mm.
     fn hessian(&self, q: DVec2) -> Hessian;
+
+    /// Height and slope at one point with the bits of [`HeightField::at`], and second derivatives, which may round otherwise
+    /// than [`HeightField::hessian`].
+    fn at_with_hessian(&self, q: DVec2) -> (HeightAndSlope, Hessian) {
+        (self.at(q), self.hessian(q))
+    }
 
     /// The surface reflected across the line where coordinate `axis` (0 = x, 1 = y) vanishes.
     #[must_use]

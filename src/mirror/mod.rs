@@ -275,7 +275,8 @@ impl Mirror {
 
     /// The same on the designed panel.
     fn panel_local_surface(&self, q: DVec2) -> LocalSurface {
-        LocalSurface::new(&self.chart, q, &self.surface.at(q), &self.surface.hessian(q))
+        let (point, hessian) = self.surface.at_with_hessian(q);
+        LocalSurface::new(&self.chart, q, &point, &hessian)
     }
 
     /// The chart's coordinates of the mirror's point that a camera sees at its image point `q`:

@@ -70,6 +70,10 @@ impl HeightField for PanelledSurface {
         self.sheets[self.parts.index_of(q)].hessian(q)
     }
 
+    fn at_with_hessian(&self, q: DVec2) -> (HeightAndSlope, Hessian) {
+        self.sheets[self.parts.index_of(q)].at_with_hessian(q)
+    }
+
     fn reflected(&self, axis: usize) -> Self {
         let reflect = |rect: &Rect| {
             let (mut min, mut max) = (rect.min, rect.max);

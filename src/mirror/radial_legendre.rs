@@ -78,9 +78,15 @@ impl HeightField for RadialLegendre {
     }
 
     fn hessian(&self, q: DVec2) -> Hessian {
+        self.at_with_hessian(q).1
+    }
+
+    fn at_with_hessian(&self, q: DVec2) -> (HeightAndSlope, Hessian) {
         let r2 = q.length_squared();
-        let Steps { d, dd, .. } = self.steps(r2, &self.row.jet(self.unit(r2)));
-        Hessian { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y }
+        let Steps { f, d, dd } = self.steps(r2, &self.row.jet(self.unit(r2)));
+        let hessian =
+            Hessian { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y };
+        (HeightAndSlope { f, slope: q * d }, hessian)
     }
 
     /// The surface itself.

@@ -41,8 +41,13 @@ impl HeightField for RadialTensorSum {
     }
 
     fn hessian(&self, q: DVec2) -> Hessian {
-        let (a, b) = (self.radial.hessian(q), self.tensor.hessian(q));
-        Hessian { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
+        self.radial.hessian(q).plus(&self.tensor.hessian(q))
+    }
+
+    fn at_with_hessian(&self, q: DVec2) -> (HeightAndSlope, Hessian) {
+        let (point, hessian) = self.radial.at_with_hessian(q);
+        let (by_tensor, more) = self.tensor.at_with_hessian(q);
+        (point.plus(&by_tensor), hessian.plus(&more))
     }
 
     fn reflected(&self, axis: usize) -> Self {

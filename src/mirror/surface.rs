@@ -65,6 +65,14 @@ macro_rules! surfaces {
                 }
             }
 
+            /// As [`HeightField::at_with_hessian`].
+            #[must_use]
+            pub fn at_with_hessian(&self, q: DVec2) -> (HeightAndSlope, Hessian) {
+                match self {
+                    $(Self::$kind(field) => field.at_with_hessian(q),)+
+                }
+            }
+
             /// As [`HeightField::reflected`].
             #[must_use]
             pub fn reflected(&self, axis: usize) -> Self {
@@ -213,6 +221,10 @@ mod tests {
                 let places = [0.0, 0.1, -0.2].map(|off| q + DVec2::new(off, -2.0 * off));
                 assert_eq!(surface.at_each(places), places.map(|q| surface.at(q)), "{q}");
                 assert_eq!(surface.height(q).to_bits(), point.f.to_bits(), "{q}");
+                let (again, found) = surface.at_with_hessian(q);
+                let off = [found.xx - hessian.xx, found.xy - hessian.xy, found.yy - hessian.yy];
+                let off = off.iter().fold(0.0f64, |most, off| most.max(off.abs()));
+                assert!(again == point && off < 1e-12 * size(&surface), "{q}: {off}");
                 // The Hessian is the derivative of the slope; differences are good to their step, where a
                 // knot is between.
                 let e = 1e-5;

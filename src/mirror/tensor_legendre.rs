@@ -56,6 +56,12 @@ impl HeightField for TensorLegendre {
         self.hessian_on(&self.row(q.y), q.x)
     }
 
+    fn at_with_hessian(&self, q: DVec2) -> (HeightAndSlope, Hessian) {
+        let [u, v] = self.unit(q);
+        let jet = self.series.jet(u, v);
+        (self.point(&jet), self.second(&jet))
+    }
+
     /// Terms of odd degree change their sign.
     fn reflected(&self, axis: usize) -> Self {
         let (rows, columns) = self.series.shape();
@@ -128,8 +134,11 @@ impl TensorLegendre {
 
     /// The Hessian at `x` of the line of `row`.
     fn hessian_on(&self, row: &TensorLegendreRow, x: f64) -> Hessian {
-        let u = (x - self.centre.x) / self.half.x;
-        let [xx, xy, yy] = row.row.jet(u).hessian.map(|h| h * self.scale_mm);
+        self.second(&row.row.jet((x - self.centre.x) / self.half.x))
+    }
+
+    fn second(&self, jet: &Jet) -> Hessian {
+        let [xx, xy, yy] = jet.hessian.map(|h| h * self.scale_mm);
         let (a, b) = (self.half.x, self.half.y);
         Hessian { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
     }

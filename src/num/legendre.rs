@@ -166,6 +166,14 @@ impl Series {
         Jet { f, gradient: [f_u, f_v], hessian: [0.0; 3] }
     }
 
+    /// Value, gradient and Hessian at one point, with the bits of [`Row::jet`].
+    #[must_use]
+    pub fn jet(&self, u: f64, v: f64) -> Jet {
+        let mut sum = JetSum::new();
+        self.fold(v, |i, folds| sum.add(u, step(i), folds));
+        sum.jet
+    }
+
     /// [`Series::gradient`] at several points at once, with its bits.
     #[inline]
     #[must_use]
@@ -308,20 +316,40 @@ impl Row {
     /// Value, gradient and Hessian at `u`; value and gradient have the bits of [`Row::gradient`].
     #[must_use]
     pub fn jet(&self, u: f64) -> Jet {
-        let (mut p, mut p0, mut d, mut d0, mut dd, mut dd0) = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        let (mut f, mut gradient, mut hessian) = (0.0, [0.0; 2], [0.0; 3]);
+        let mut sum = JetSum::new();
         for t in &self.terms {
-            f += t.f * p;
-            gradient[0] += t.f * d;
-            gradient[1] += t.f_v * p;
-            hessian[0] += t.f * dd;
-            hessian[1] += t.f_v * d;
-            hessian[2] += t.f_vv * p;
-            (dd, dd0) = (dd0 + t.odd * d, dd);
-            (d, d0) = (d0 + t.odd * p, d);
-            (p, p0) = (t.grow * u * p - t.shrink * p0, p);
+            sum.add(u, [t.grow, t.shrink, t.odd], [t.f, t.f_v, t.f_vv]);
         }
-        Jet { f, gradient, hessian }
+        sum.jet
+    }
+}
+
+/// A jet in the course of summing up its terms over the u-degrees.
+struct JetSum {
+    jet: Jet,
+    /// P_i, P_i' and P_i'' of the degree that comes next, and those before.
+    now: [f64; 3],
+    before: [f64; 3],
+}
+
+impl JetSum {
+    fn new() -> Self {
+        Self { jet: Jet::default(), now: [1.0, 0.0, 0.0], before: [0.0; 3] }
+    }
+
+    /// Adds the terms of the next degree: by its constants of [`step`] and the sums over the v-degrees of f, f_v and f_vv.
+    #[inline]
+    fn add(&mut self, u: f64, [grow, shrink, odd]: [f64; 3], [f, f_v, f_vv]: [f64; 3]) {
+        let ([p, d, dd], [p0, d0, dd0]) = (self.now, self.before);
+        let Jet { f: value, gradient, hessian } = &mut self.jet;
+        *value += f * p;
+        gradient[0] += f * d;
+        gradient[1] += f_v * p;
+        hessian[0] += f * dd;
+        hessian[1] += f_v * d;
+        hessian[2] += f_vv * p;
+        self.now = [grow * u * p - shrink * p0, d0 + odd * p, dd0 + odd * d];
+        self.before = [p, d, dd];
     }
 }
 
@@ -380,6 +408,7 @@ mod tests {
             let series = Series::from_fn(degrees, degrees + 1, c);
             for (u, v) in [(0.3, -0.7), (-0.9, 0.4), (1.0, 1.0)] {
                 assert_eq!(series.gradient(u, v), series.row(v).gradient(u));
+                assert_eq!(series.jet(u, v), series.row(v).jet(u));
                 let several = [u, v, -u, 0.5];
                 let one_by_one = several.map(|u| series.row(v).gradient(u));
                 assert_eq!(series.row(v).gradients(several), one_by_one);

@@ -1,10 +1,10 @@
-//! A bicubic spline with bounds that take the same time over boxes of any size.
+//! A bicubic spline with bounds over boxes, in a time that grows with the logarithms of their width and height.
 
 use crate::geom::{BicubicSpline, DVec2, DerivativeBounds, Rect};
 use crate::num::{Interval, PlaneFn};
 use std::sync::OnceLock;
 
-/// Patches along the side of a block, whose bounds are made once.
+/// Patches along the side of the smallest blocks, whose bounds are made once.
 const BLOCK: usize = 4;
 /// Steps beyond the grid without a jump of second derivatives: what bounds of regions at the edge look at beside them is
 /// no wider, and noise of the samples grows with half the square of it.
@@ -21,8 +21,24 @@ pub(super) struct BoundedSpline {
     smooth: Rect,
     /// Largest magnitude of its values at the knots.
     size: f64,
-    /// Row by row.
-    blocks: Vec<OnceLock<DerivativeBounds>>,
+    /// Blocks of [`BLOCK`] patches to a side and, from one to the next, of twice as many columns; in each of the outer list of
+    /// twice as many rows.
+    blocks: Vec<Vec<Blocks>>,
+}
+
+/// Blocks of one size.
+#[derive(Debug)]
+struct Blocks {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Their bounds, row by row: boxed, since most are never asked for.
+    bounds: Vec<OnceLock<Box<DerivativeBounds>>>,
+}
+
+impl Blocks {
+    fn new(size: [usize; 2]) -> Self {
+        Self { size, bounds: vec![OnceLock::new(); size[0] * size[1]] }
+    }
 }
 
 impl PartialEq for BoundedSpline {
@@ -40,9 +56,14 @@ impl BoundedSpline {
             max: DVec2::new(x.last_mm(), y.last_mm()),
         };
         let spline = on_grid.with_ends(STEPS, rings);
-        let [across, up] = spline.knots().map(|axis| (axis.count - 1).div_ceil(BLOCK));
+        let [columns, rows] = spline.knots().map(|axis| {
+            let coarser = |count: &usize| (*count > 1).then(|| count.div_ceil(2));
+            std::iter::successors(Some((axis.count - 1).div_ceil(BLOCK)), coarser)
+        });
+        let of_height = |row| columns.clone().map(|column| Blocks::new([column, row])).collect();
+        let blocks = rows.map(of_height).collect();
         let size = spline.largest_value();
-        Self { blocks: vec![OnceLock::new(); across * up], spline, smooth, size }
+        Self { blocks, spline, smooth, size }
     }
 
     /// The rectangle of its knots, the rings included.
@@ -56,16 +77,25 @@ impl BoundedSpline {
         self.spline.knots()[0].step_mm
     }
 
-    /// Bounds over the block of a column and a row of blocks.
-    fn block(&self, i: usize, j: usize) -> DerivativeBounds {
-        let [x, y] = self.spline.knots();
-        let across = (x.count - 1).div_ceil(BLOCK);
-        *self.blocks[j * across + i].get_or_init(|| {
-            let end = |k: usize, count: usize| ((k + 1) * BLOCK).min(count - 1);
-            let patches = (j * BLOCK..end(j, y.count)).flat_map(|row| {
-                (i * BLOCK..end(i, x.count)).map(move |column| self.patch(column, row))
-            });
-            patches.reduce(DerivativeBounds::union).expect("a block has patches")
+    /// Bounds over a block of 2^a columns and 2^b rows of the smallest ones: of those `[a, b]` the one in a column and a row.
+    fn block(&self, [a, b]: [usize; 2], [i, j]: [usize; 2]) -> &DerivativeBounds {
+        let all = &self.blocks[b][a];
+        all.bounds[j * all.size[0] + i].get_or_init(|| {
+            let halves =
+                |k: usize, finer: &Blocks, axis: usize| 2 * k..(2 * k + 2).min(finer.size[axis]);
+            if a > 0 {
+                let columns = halves(i, &self.blocks[b][a - 1], 0);
+                return union(columns.map(|i| *self.block([a - 1, b], [i, j])));
+            }
+            if b > 0 {
+                let rows = halves(j, &self.blocks[b - 1][a], 1);
+                return union(rows.map(|j| *self.block([a, b - 1], [i, j])));
+            }
+            let patches = |k: usize, axis: usize| {
+                k * BLOCK..((k + 1) * BLOCK).min(self.spline.knots()[axis].count - 1)
+            };
+            let (columns, rows) = (patches(i, 0), patches(j, 1));
+            union(rows.flat_map(|j| columns.clone().map(move |i| self.patch(i, j))))
         })
     }
 
@@ -108,10 +138,33 @@ impl BoundedSpline {
     /// Bounds over a box between the knots.
     fn derivatives(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
         let axes = self.spline.knots();
-        let touched =
-            |k: usize| axes[k].interval(lo[k]).0 / BLOCK..=axes[k].interval(hi[k]).0 / BLOCK;
-        let blocks = touched(1).flat_map(|j| touched(0).map(move |i| self.block(i, j)));
-        blocks.reduce(DerivativeBounds::union).expect("a box touches a block")
+        let touched = [0, 1].map(|k: usize| [lo, hi].map(|at| axes[k].interval(at[k]).0 / BLOCK));
+        let mut bounds = DerivativeBounds::EMPTY;
+        for_each_span(touched[1], |b, j| {
+            for_each_span(touched[0], |a, i| bounds = bounds.union(*self.block([a, b], [i, j])));
+        });
+        bounds
+    }
+}
+
+fn union(all: impl Iterator<Item = DerivativeBounds>) -> Box<DerivativeBounds> {
+    Box::new(all.fold(DerivativeBounds::EMPTY, DerivativeBounds::union))
+}
+
+/// Calls `visit` with as few spans as the numbers from the first to the last one are made of: each has 2^k numbers and begins at a
+/// multiple of that, and is told by k and the number of such spans before it.
+fn for_each_span([first, last]: [usize; 2], mut visit: impl FnMut(usize, usize)) {
+    let (mut from, mut to, mut k) = (first, last + 1, 0);
+    while from < to {
+        if from % 2 == 1 {
+            visit(k, from);
+            from += 1;
+        }
+        if to % 2 == 1 {
+            to -= 1;
+            visit(k, to);
+        }
+        (from, to, k) = (from / 2, to / 2, k + 1);
     }
 }
 
@@ -157,4 +210,39 @@ fn common<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
         let (lo, hi) = (a[k].lo.max(b[k].lo), a[k].hi.min(b[k].hi));
         if lo <= hi { Interval::new(lo, hi) } else { a[k] }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::GridAxis;
+    use crate::num::sample::Draws;
+    use crate::num::sin;
+
+    #[test]
+    fn bounds_over_a_box_are_those_of_all_smallest_blocks_that_it_touches() {
+        let axis = |count: usize| GridAxis { first_mm: -3.0, step_mm: 0.1, count };
+        let (x, y) = (axis(67), axis(23));
+        let value = |k: usize| sin(0.3 * x.at(k % x.count)) + y.at(k / x.count) * x.at(k % x.count);
+        let values: Vec<f64> = (0..x.count * y.count).map(value).collect();
+        let spline = BoundedSpline::new(&BicubicSpline::new(x, y, &values).unwrap(), [9, 14]);
+        assert!(spline.blocks.len() > 3 && spline.blocks[0].len() > 4);
+        let Rect { min, max } = spline.grid();
+        for mut r in (0..300).map(Draws::new) {
+            let ends = [0, 1].map(|k: usize| {
+                let at = r.inside([min[k], max[k]]);
+                let width = r.inside([0.0, 1.0]) * r.inside([0.0, 1.0]) * (max[k] - at);
+                [at, at + width]
+            });
+            let [lo, hi] = [0, 1].map(|end: usize| DVec2::new(ends[0][end], ends[1][end]));
+            let touched = |k: usize| {
+                let axis = spline.spline.knots()[k];
+                axis.interval(lo[k]).0 / BLOCK..=axis.interval(hi[k]).0 / BLOCK
+            };
+            let blocks = touched(1).flat_map(|j| touched(0).map(move |i| [i, j]));
+            let all =
+                blocks.map(|at| *spline.block([0, 0], at)).reduce(DerivativeBounds::union).unwrap();
+            assert_eq!(spline.derivatives(lo, hi), all);
+        }
+    }
 }

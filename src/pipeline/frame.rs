@@ -61,7 +61,7 @@ impl Command for FrameOptions {
         });
         let unfilled = verdict::unfilled(&frame, LeastFilled::Asked(min));
         let reason = unfilled.map(|fault| {
-            let way_out = verdict::filling(profile, &fault);
+            let way_out = verdict::filling(profile, &fault, frame.filled);
             Reason { way_out, ..fault.into() }
         });
         let reasons = Vec::from_iter(reason);

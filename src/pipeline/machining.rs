@@ -204,7 +204,7 @@ fn witnessed(check: &FileCheck) -> Vec<Reason> {
         reasons.extend(defects.map(|defect| ShapeFault::NotSolid(defect).into()));
         let counts =
             |fault: &RayFault| matches!(fault, RayFault::Missed { .. } | RayFault::BackFace { .. });
-        reasons.extend(verdict::rays(trace, check.by_rim).filter(counts).map(Reason::from));
+        reasons.extend(verdict::rays(trace, check.by_rim, 0).filter(counts).map(Reason::from));
     }
     reasons.into_iter().map(|reason| reason.of_file(FILE)).collect()
 }

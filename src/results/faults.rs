@@ -145,13 +145,16 @@ pub enum RayFault {
     },
     /// The part shadows them.
     #[error(
-        "{count} of {rays} rays aimed at the mirror are shadowed by the part itself{}", rim(*by_rim)
+        "{count} of {rays} rays aimed at the mirror are shadowed by the part itself{}{}",
+        over(*allowed), rim(*by_rim)
     )]
     Shadowed {
         /// How many.
         count: usize,
         /// Of how many.
         rays: usize,
+        /// How many walls between panels may shadow.
+        allowed: usize,
         /// How many of them are shadowed by the flat rim.
         by_rim: usize,
     },
@@ -165,6 +168,13 @@ pub enum RayFault {
     },
 }
 
+fn over(allowed: usize) -> String {
+    match allowed {
+        0 => String::new(),
+        allowed => format!(", over the {allowed} that walls between panels may shadow"),
+    }
+}
+
 fn rim(by_rim: usize) -> String {
     if by_rim == 0 {
         return String::new();
@@ -174,10 +184,10 @@ fn rim(by_rim: usize) -> String {
     )
 }
 
-fn behind_obstacles(share: f64) -> String {
+fn lost(share: f64, what: &str) -> String {
     match share {
         0.0 => String::new(),
-        share => format!("; {:.3} % are behind obstacles", 100.0 * share),
+        share => format!("; {:.3} % {what}", 100.0 * share),
     }
 }
 
@@ -215,8 +225,8 @@ pub enum PictureFault {
     },
     /// Too little of the frame is filled.
     #[error(
-        "{:.3} % of the frame see their part of the world within {tolerance_px} px, {least}{}",
-        100.0 * filled, behind_obstacles(*hidden)
+        "{:.3} % of the frame see their part of the world within {tolerance_px} px, {least}{}{}",
+        100.0 * filled, lost(*hidden, "are behind obstacles"), lost(*shadowed, "are in the part's own shadow")
     )]
     FrameFilled {
         /// The share that is, 0 to 1.
@@ -227,6 +237,8 @@ pub enum PictureFault {
         least: LeastFilled,
         /// The share that obstacles hide, 0 to 1.
         hidden: f64,
+        /// The share that the part shadows, 0 to 1.
+        shadowed: f64,
     },
     /// It is not sharp.
     #[error(

@@ -15,7 +15,7 @@ const RADII: usize = 48;
 const STEPS: usize = 100;
 /// What is left of the azimuth, radians, at which they end.
 const EXACT: f64 = 1e-14;
-/// Steps, at most, to the place that a circle touches: from the place at the azimuth before a few suffice.
+/// Steps, at most, to the place that a circle touches: from a place near it one or two suffice.
 const TOUCHING_STEPS: usize = 40;
 /// What is left of its distance from the axis and from the half-plane, mm, at which they end: the centre is as high as circles through any place come, and
 /// off by the square of what is left over twice the circle's radius; beside the half-plane the surface is known by its slope.
@@ -160,7 +160,7 @@ impl<'a> DiscSections<'a> {
         self.place(azimuth, radius_mm).map(|place| place.section)
     }
 
-    /// The place of the section at an azimuth, radians, that a circle touches, and its coordinates on the chart: by Newton's method for both its distance from
+    /// The place of the section at an azimuth, radians, that a circle touches, and coordinates on the chart a step of Newton's method nearer to it: by Newton's method for both its distance from
     /// the axis and these coordinates, from coordinates near them on; without them from those that the circle's centre has. None where it finds none.
     #[must_use]
     pub(super) fn touched(
@@ -183,7 +183,7 @@ impl<'a> DiscSections<'a> {
             let beside = place.at.x * out - at;
             if (radius_mm - place.at.x).abs().max(beside.length()) < LEFT_MM {
                 place.at.y += local.slope.dot(beside);
-                return Some((place, q));
+                return Some((place, q + jacobian.step(radius_mm * out - at)));
             }
             q += jacobian.step(radius_mm * out - at);
         }
@@ -351,6 +351,26 @@ mod tests {
             assert!((disc.most(|place| place.section.at.x) - around).abs() < 1e-9);
             let corner = disc.rim(disc.corners()[0]).unwrap().at.x;
             assert!((corner - max.length()).abs() < 1e-11);
+        }
+    }
+
+    /// The coordinates that come with a touched place lie in its half-plane: a search from there ends with its first step.
+    #[test]
+    fn coordinates_of_a_touched_place_are_those_where_the_search_ends() {
+        let mut mirror = quadric([0.02, 0.01, -0.03], 0.004);
+        mirror.outline = Outline::Ring { inner: 0.0, outer: 9.0 };
+        let disc = DiscSections::new(&mirror).unwrap();
+        for k in 0..60 {
+            let t = TAU * f64::from(k) / 60.0;
+            let circle = Circle { reach_mm: 0.8, x_mm: 0.1 * f64::from(k), most_mm: 9.0 };
+            let (place, q) = disc.touched(t, &circle, None).unwrap();
+            let at = mirror.extended_surface(q).at.truncate();
+            let out = DVec2::new(cos(t), sin(t));
+            assert!(at.perp_dot(out).abs() < 1e-12, "{t}: {}", at.perp_dot(out));
+            let (again, _) = disc.touched(t, &circle, Some(q)).unwrap();
+            assert!(
+                (again.at - place.at).length() < 1e-7 && (again.at.x - at.dot(out)).abs() < 1e-12
+            );
         }
     }
 

@@ -3,7 +3,7 @@
 use super::TurningError;
 use super::disc_sections::{Circle, DiscSections};
 use super::meridian::MeridianPlace;
-use crate::geom::DVec2;
+use crate::geom::{DVec2, EvenPlaces};
 use crate::num::{degrees, exp};
 use crate::parallel;
 use std::f64::consts::TAU;
@@ -141,11 +141,11 @@ impl NoseSpiral {
         let turns = self.turns() as usize;
         let x_mm = |turn: usize, k: usize| self.at(turn as f64 + k as f64 / per_turn as f64);
         let turn = |turn: usize| {
-            let mut touched = None;
+            let mut touched = EvenPlaces::default();
             let place = |k: usize| {
                 let x = x_mm(turn, k);
-                let (z, near) = heights.touching(k, x, touched)?;
-                touched = near;
+                let (z, near) = heights.touching(k, x, touched.expected())?;
+                touched.add(near);
                 Ok::<_, TurningError>(DVec2::new(x, z))
             };
             (0..per_turn).map(place).collect::<Result<Vec<_>, _>>()

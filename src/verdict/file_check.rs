@@ -307,9 +307,11 @@ pub(crate) fn wanted_picture<'a>(
     design.view.as_ref().map(|task| WantedPicture { task, tolerance_mm })
 }
 
-/// How many aimed rays facets or faces below the top of what is around the mirror shadow.
+/// How many aimed rays facets or faces below the top of what is around the mirror shadow. Between panels there are walls below it.
 fn shadowed_by_rim(design: &Design, height: &dyn Fn(u32) -> f64, strip: &TraceStrip) -> usize {
-    let Some(stock) = &design.border else { return 0 };
+    let Some(stock) = design.border.as_ref().filter(|_| !design.mirror.has_steps()) else {
+        return 0;
+    };
     let top = stock.top_mm * (1.0 + 1e-6);
     strip.shadowing().filter(|facet| height(*facet) <= top).count()
 }

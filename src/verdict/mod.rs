@@ -92,12 +92,12 @@ impl Findings {
     ) -> Self {
         let mut reasons: Vec<Reason> =
             checks.iter().flat_map(|check| of_file(profile, design, check)).collect();
+        let frame = checks.iter().find_map(|check| check.frame.clone());
         match checks.iter().any(|check| check.held_to == HeldTo::Picture) {
             true => remedy::add_as_cut(&mut reasons),
-            false => remedy::add(profile, design, &mut reasons),
+            false => remedy::add(profile, design, least_filled(&checks), &mut reasons),
         }
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
-        let frame = checks.iter().find_map(|check| check.frame.clone());
         let held =
             design.view.is_some() && checks.iter().all(|check| check.held_to != HeldTo::Form);
         let accepted = held.then(|| profile.acceptance_limits());
@@ -108,6 +108,11 @@ impl Findings {
     }
 }
 
+/// The least share of the frame that any file fills: all of it where none shows one.
+fn least_filled(checks: &[FileCheck]) -> f64 {
+    checks.iter().filter_map(|check| Some(check.frame.as_ref()?.filled)).fold(1.0, f64::min)
+}
+
 /// Why a file does not pass.
 fn of_file(profile: &Profile, design: &Design, check: &FileCheck) -> Vec<Reason> {
     let mut reasons: Vec<Reason> = bytes(check).map(Reason::from).collect();
@@ -115,7 +120,8 @@ fn of_file(profile: &Profile, design: &Design, check: &FileCheck) -> Vec<Reason>
         if check.held_to == HeldTo::Design {
             reasons.extend(shape(design, check, trace).into_iter().map(Reason::from));
         }
-        reasons.extend(rays(trace, check.by_rim).map(Reason::from));
+        let allowed = shadows_allowed(profile, design, trace.rays);
+        reasons.extend(rays(trace, check.by_rim, allowed).map(Reason::from));
         reasons.extend(limits(profile, check, trace).map(Reason::from));
     }
     // A scan may be of a piece; what it is not held to by name, its form answers for.
@@ -137,12 +143,13 @@ pub(crate) fn bytes(check: &FileCheck) -> impl Iterator<Item = FileFault> {
 /// That too little of the frame is filled.
 pub(crate) fn unfilled(frame: &FrameFill, least: LeastFilled) -> Option<PictureFault> {
     let FrameFill { filled, tolerance_px, pixels: [width, height], lost, .. } = *frame;
-    let hidden = lost.obstacle as f64 / (f64::from(width) * f64::from(height));
+    let share = |count: usize| count as f64 / (f64::from(width) * f64::from(height));
     (!(filled >= least.share())).then_some(PictureFault::FrameFilled {
         filled,
         tolerance_px,
         least,
-        hidden,
+        hidden: share(lost.obstacle),
+        shadowed: share(lost.shadow),
     })
 }
 
@@ -210,13 +217,32 @@ fn shape(design: &Design, check: &FileCheck, trace: &TraceFacts) -> Vec<ShapeFau
     faults
 }
 
-/// Rays that do not reach the world, `by_rim` of them shadowed by what is around the mirror.
-pub(crate) fn rays(trace: &TraceFacts, by_rim: usize) -> impl Iterator<Item = RayFault> {
+/// Share of the aimed rays that walls between panels may shadow where the profile names no share of the frame: rays that
+/// lean towards a wall meet it next to its foot, in every order of some views.
+const SHADOWED_BY_WALLS: f64 = 0.03;
+
+/// How many of so many aimed rays the part may shadow. Where a share of the frame is named, it judges shadows of walls too.
+fn shadows_allowed(profile: &Profile, design: &Design, rays: usize) -> usize {
+    match profile.accept.frame_filled {
+        _ if !design.mirror.has_steps() => 0,
+        Some(_) => rays,
+        None => (SHADOWED_BY_WALLS * rays as f64) as usize,
+    }
+}
+
+/// Rays that do not reach the world, of those that the part shadows `by_rim` by what is around the mirror; so many that
+/// the part may shadow are `allowed`.
+pub(crate) fn rays(
+    trace: &TraceFacts,
+    by_rim: usize,
+    allowed: usize,
+) -> impl Iterator<Item = RayFault> {
     let TraceFacts { rays, missed, shadowed, back_face, .. } = *trace;
+    let too_many = if shadowed > allowed { shadowed } else { 0 };
     let faults = [
         (usize::from(rays == 0), RayFault::NothingAimed),
         (missed, RayFault::Missed { count: missed, rays }),
-        (shadowed, RayFault::Shadowed { count: shadowed, rays, by_rim }),
+        (too_many, RayFault::Shadowed { count: shadowed, rays, allowed, by_rim }),
         (back_face, RayFault::BackFace { count: back_face, rays }),
     ];
     faults.into_iter().filter(|(count, _)| *count > 0).map(|(_, fault)| fault)

@@ -4,15 +4,18 @@
 use crate::design::{Design, design};
 use crate::optics::CameraModel;
 use crate::profile::{Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
-use crate::results::{LeastFilled, PictureFault, Reason, ReasonKind};
+use crate::results::{LeastFilled, PictureFault, RayFault, Reason, ReasonKind};
 
 /// How much less of an error another law must leave to be worth a change.
 const WORTH: f64 = 0.7;
 /// A mirror narrower than this share of what the camera sees leaves room.
 const NARROW: f64 = 0.999;
 
-/// Adds to the first reason of its kind how to do better.
-pub(crate) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
+/// Adds to the first reason of its kind how to do better, where each file fills so much of the frame at least.
+pub(crate) fn add(profile: &Profile, designed: &Design, filled: f64, reasons: &mut [Reason]) {
+    if designed.mirror.has_steps() {
+        add_between_panels(filled, reasons);
+    }
     let mut amend = |is_kind: fn(&PictureFault) -> bool,
                      way: &dyn Fn(&PictureFault) -> Option<String>| {
         let of_picture = reasons.iter_mut().find_map(|reason| match &reason.kind {
@@ -26,7 +29,17 @@ pub(crate) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) 
     let is_off = |fault: &PictureFault| matches!(fault, PictureFault::PixelError { .. });
     amend(is_off, &|_| another_law(profile, designed));
     let is_unfilled = |fault: &PictureFault| matches!(fault, PictureFault::FrameFilled { .. });
-    amend(is_unfilled, &|fault| filling(profile, fault));
+    amend(is_unfilled, &|fault| filling(profile, fault, filled));
+}
+
+/// Adds to a reason that walls between panels shadow too much how a frame is accepted of which that share is filled.
+fn add_between_panels(filled: f64, reasons: &mut [Reason]) {
+    let is_shadowed =
+        |reason: &&mut Reason| matches!(reason.kind, ReasonKind::Rays(RayFault::Shadowed { .. }));
+    if let Some(reason) = reasons.iter_mut().find(is_shadowed) {
+        let accept = written(filled, "what walls between panels shadow");
+        reason.way_out = Some(format!("put the views in another order in the frame, or {accept}"));
+    }
 }
 
 /// Adds to the first reason of a face as cut that is off the picture how to do better.
@@ -60,19 +73,24 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     })
 }
 
-/// How more of the frame is filled, or, where only obstacles hide what is missing, how that is accepted.
-pub(crate) fn filling(profile: &Profile, fault: &PictureFault) -> Option<String> {
-    if let PictureFault::FrameFilled { filled, hidden, least, .. } = *fault
-        && hidden > 0.0
-        && filled + hidden >= least.share()
-    {
-        // Rounded down, so that the number written down is kept.
-        let share = (filled * 1e4).floor() / 1e4;
+/// How more of the frame is filled, or, where what is missing is hidden or in shadow, how the share that
+/// every file fills is accepted.
+pub(crate) fn filling(profile: &Profile, fault: &PictureFault, every: f64) -> Option<String> {
+    let PictureFault::FrameFilled { filled, hidden, shadowed, least, .. } = *fault else {
+        return None;
+    };
+    // A build refuses shadows, but for those of walls between panels.
+    let is_accepted = matches!(least, LeastFilled::Asked(_)) || !profile.is_one_surface();
+    let shadowed = if is_accepted { shadowed } else { 0.0 };
+    if hidden + shadowed > 0.0 && filled + hidden + shadowed >= least.share() {
+        let what = match [hidden, shadowed].map(|share| share > 0.0) {
+            [true, true] => "what obstacles hide and the part shadows",
+            [true, false] => "what obstacles hide",
+            [false, _] => "what the part shadows",
+        };
         return Some(match least {
-            LeastFilled::Accepted(_) => {
-                format!("write frame_filled = {share} in [accept] to accept what obstacles hide")
-            }
-            LeastFilled::Asked(_) => format!("ask for {share} to accept what obstacles hide"),
+            LeastFilled::Accepted(_) => written(every, what),
+            LeastFilled::Asked(_) => format!("ask for {} to accept {what}", kept(every)),
         });
     }
     let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return wider(profile) };
@@ -89,6 +107,16 @@ pub(crate) fn filling(profile: &Profile, fault: &PictureFault) -> Option<String>
     (!ways.is_empty()).then(|| ways.join(", or "))
 }
 
+/// A share rounded down, so that what is written down is kept.
+fn kept(share: f64) -> f64 {
+    (share * 1e4).floor() / 1e4
+}
+
+/// How a profile accepts that this share of the frame is filled, and not the rest.
+fn written(filled: f64, rest: &str) -> String {
+    format!("write frame_filled = {} in [accept] to accept {rest}", kept(filled))
+}
+
 /// The width of the frame at the mirror, where the mirror is narrower.
 fn wider(profile: &Profile) -> Option<String> {
     let CameraModel::Pinhole { pixels, focal_px, distance_mm } = profile.camera else {
@@ -101,4 +129,39 @@ fn wider(profile: &Profile) -> Option<String> {
     let enough = (frame * 1e3).ceil() / 1e3;
     (profile.part.width_mm < NARROW * frame)
         .then(|| format!("write width_mm = {enough}, as wide as the frame is at the mirror"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Accepting a share of the frame is no way out of shadows that a build refuses.
+    #[test]
+    fn shadows_are_accepted_between_panels_alone() {
+        let text = "camera.pinhole = { pixels = [32, 24], hfov_deg = 30, distance_mm = 150 }\nlayout.rectangle = {}\n\
+                    method.vector-field.degree = 4\npart = { width_mm = 80.4, base_mm = 5 }\nmesh.chord_um = 20\n\
+                    export.formats = [\"stl\"]\naccept.frame_filled = 0.9\n";
+        let view = "centre_deg = [0, 60]\nhfov_deg = 30\n";
+        let one = format!("{text}[projection.perspective]\n{view}");
+        let panel = |columns| format!("[[panel]]\ncolumns = {columns}\nrows = [0, 24]\n{view}");
+        let several = format!("{text}{}{}", panel("[0, 16]"), panel("[16, 32]"));
+        let said = |text: &str, [hidden, shadowed]: [f64; 2]| {
+            let profile = Profile::parse("p", "p.toml", text.as_bytes()).unwrap();
+            let least = LeastFilled::Accepted(profile.acceptance_limits().frame_filled);
+            let fault = PictureFault::FrameFilled {
+                filled: 0.81239,
+                tolerance_px: 1.0,
+                least,
+                hidden,
+                shadowed,
+            };
+            filling(&profile, &fault, 0.80001)
+        };
+        let accepted = "write frame_filled = 0.8 in [accept] to accept what the part shadows";
+        assert_eq!(said(&one, [0.0, 0.18]), None);
+        assert_eq!(said(&several, [0.0, 0.18]).unwrap(), accepted);
+        assert!(said(&one, [0.18, 0.0]).unwrap().ends_with("what obstacles hide"));
+        let both = said(&several, [0.09, 0.09]).unwrap();
+        assert!(both.ends_with("what obstacles hide and the part shadows"), "{both}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::super::{BallRaster, MachiningError, clears_ridge, fillet_foot};
 use super::pass::Pass;
-use crate::geom::{DVec2, DVec3};
+use crate::geom::{DVec2, DVec3, EvenPlaces};
 use crate::mirror::{LocalSurface, Mirror};
 
 /// Bisections for the place where the ball ceases to fit: to a rounding error of the line.
@@ -30,7 +30,10 @@ impl Line<'_> {
             let (lo, hi) = (lo + hair, hi - hair);
             let steps = ((hi - lo) / step).ceil().max(1.0) as usize;
             let at = |k: usize| lo + (hi - lo) * k as f64 / steps as f64;
-            let good: Vec<bool> = (0..=steps).map(|k| self.fits(at(k))).collect();
+            let mut places = LinePlaces::new(self);
+            let good: Vec<bool> = (0..=steps)
+                .map(|k| places.next(at(k)).is_some_and(|place| self.fits(&place)))
+                .collect();
             let mut next = 0;
             for run in good.chunk_by(|a, b| a == b) {
                 let (begin, end) = (next, next + run.len() - 1);
@@ -46,25 +49,23 @@ impl Line<'_> {
         Ok(passes)
     }
 
-    fn surface(&self, t: f64) -> Option<LocalSurface> {
-        self.mirror.extended_surface_over(self.foot + self.along * t)
-    }
-
-    /// Whether the ball fits at `t`, over the face or a little beside it.
-    fn fits(&self, t: f64) -> bool {
+    /// Whether the ball fits on a place, over the face or a little beside it.
+    fn fits(&self, place: &LocalSurface) -> bool {
         let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
-        self.surface(t).is_some_and(|place| {
-            let q = self.mirror.chart.coordinates(place.at).0;
-            clears_ridge(self.mirror, &place, ball_mm)
-                && self.mirror.full_outline().distance_outside(q) <= 2.0 * stepover_mm
-        })
+        let q = self.mirror.chart.coordinates(place.at).0;
+        clears_ridge(self.mirror, place, ball_mm)
+            && self.mirror.full_outline().distance_outside(q) <= 2.0 * stepover_mm
     }
 
     /// The last place where the ball fits between one where it does not and one where it does.
     fn edge(&self, mut bad: f64, mut good: f64) -> f64 {
+        let over = |t: f64| self.foot + self.along * t;
+        let mut near = over(good);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (bad + good);
-            if self.fits(middle) {
+            let found = self.mirror.extended_surface_near(over(middle), near);
+            near = found.as_ref().map_or(near, |(_, q)| *q);
+            if found.is_some_and(|(place, _)| self.fits(&place)) {
                 good = middle;
             } else {
                 bad = middle;
@@ -77,10 +78,11 @@ impl Line<'_> {
     fn pass(&self, [from, to]: [f64; 2], step: f64) -> Result<Pass, MachiningError> {
         let steps = ((to - from) / step).ceil().max(1.0) as usize;
         let step = (to - from) / steps as f64;
+        let mut places = LinePlaces::new(self);
         let centre = |k: usize| {
             let t = from + step * k as f64;
             let at = self.foot + self.along * t;
-            let place = self.surface(t).ok_or(MachiningError::Lost { at })?;
+            let place = places.next(t).ok_or(MachiningError::Lost { at })?;
             Ok(centre(&place, self.raster.ball_mm, self.along))
         };
         let centres = (0..=steps).map(centre).collect::<Result<_, MachiningError>>()?;
@@ -96,6 +98,30 @@ impl Line<'_> {
         } else {
             vec![[lo, hi]]
         }
+    }
+}
+
+/// Places of a mirror at even steps along a line: each is searched for where those before lead to.
+struct LinePlaces<'a> {
+    line: &'a Line<'a>,
+    /// Their coordinates on the chart.
+    found: EvenPlaces,
+}
+
+impl<'a> LinePlaces<'a> {
+    fn new(line: &'a Line<'a>) -> Self {
+        Self { line, found: EvenPlaces::default() }
+    }
+
+    /// The next place, which is at `t`; none where there is none.
+    fn next(&mut self, t: f64) -> Option<LocalSurface> {
+        let over = self.line.foot + self.line.along * t;
+        let near = self.found.expected().unwrap_or(over);
+        let mirror = self.line.mirror;
+        let found = mirror.extended_surface_near(over, near);
+        let found = found.or_else(|| mirror.extended_surface_near(over, over));
+        self.found.add(found.as_ref().map(|(_, q)| *q));
+        Some(found?.0)
     }
 }
 
