@@ -3,6 +3,7 @@
 mod as_cut_face;
 mod axis_faults;
 mod bar_on_lathe;
+mod closer_picture;
 mod cusp_search;
 mod cut_slopes;
 mod cutter_survey;
@@ -95,7 +96,10 @@ impl Findings {
         let frame = checks.iter().find_map(|check| check.frame.clone());
         match checks.iter().any(|check| check.held_to == HeldTo::Picture) {
             true => remedy::add_as_cut(&mut reasons),
-            false => remedy::add(profile, design, least_filled(&checks), &mut reasons),
+            false => {
+                let (filled, facets) = (least_filled(&checks), facet_errors(&checks));
+                remedy::add((profile, design), filled, facets, &mut reasons);
+            }
         }
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
         let held =
@@ -111,6 +115,13 @@ impl Findings {
 /// The least share of the frame that any file fills: all of it where none shows one.
 fn least_filled(checks: &[FileCheck]) -> f64 {
     checks.iter().filter_map(|check| Some(check.frame.as_ref()?.filled)).fold(1.0, f64::min)
+}
+
+/// The largest facet errors of the files that are held to their design, px.
+fn facet_errors(checks: &[FileCheck]) -> Option<Summary> {
+    let held = checks.iter().filter(|check| check.held_to == HeldTo::Design);
+    let errors = held.filter_map(|check| check.trace.as_ref()?.errors.facet_error_px);
+    errors.reduce(|a, b| if b.max > a.max { b } else { a })
 }
 
 /// Why a file does not pass.

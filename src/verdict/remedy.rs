@@ -1,18 +1,24 @@
 //! Ways out of a negative verdict on the picture, for its reasons: each has been tried, or is a width that
 //! follows from the camera.
 
-use crate::design::{Design, design};
+use super::closer_picture::closer_picture;
+use crate::design::Design;
+use crate::num::stats::Summary;
 use crate::optics::CameraModel;
-use crate::profile::{Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
+use crate::profile::{Layout, Profile, ProjectionSpec};
 use crate::results::{LeastFilled, PictureFault, RayFault, Reason, ReasonKind};
 
-/// How much less of an error another law must leave to be worth a change.
-const WORTH: f64 = 0.7;
 /// A mirror narrower than this share of what the camera sees leaves room.
 const NARROW: f64 = 0.999;
 
-/// Adds to the first reason of its kind how to do better, where each file fills so much of the frame at least.
-pub(crate) fn add(profile: &Profile, designed: &Design, filled: f64, reasons: &mut [Reason]) {
+/// Adds to the first reason of its kind how to do better, where each file fills so much of the frame at least and facets
+/// displace the picture by as much.
+pub(crate) fn add(
+    (profile, designed): (&Profile, &Design),
+    filled: f64,
+    facets: Option<Summary>,
+    reasons: &mut [Reason],
+) {
     if designed.mirror.has_steps() {
         add_between_panels(filled, reasons);
     }
@@ -27,7 +33,7 @@ pub(crate) fn add(profile: &Profile, designed: &Design, filled: f64, reasons: &m
         }
     };
     let is_off = |fault: &PictureFault| matches!(fault, PictureFault::PixelError { .. });
-    amend(is_off, &|_| another_law(profile, designed));
+    amend(is_off, &|_| closer_picture(profile, designed, facets));
     let is_unfilled = |fault: &PictureFault| matches!(fault, PictureFault::FrameFilled { .. });
     amend(is_unfilled, &|fault| filling(profile, fault, filled));
 }
@@ -51,26 +57,6 @@ pub(crate) fn add_as_cut(reasons: &mut [Reason]) {
         let way_out = "scallops displace the picture: polish the mirror, or cut it with a larger ball or nose, a smaller stepover or feed";
         reason.way_out = Some(way_out.to_owned());
     }
-}
-
-/// The law that leaves a smaller error, if it is much smaller, with that error.
-fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
-    let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return None };
-    if strip.law == StripLawSpec::LeastCurl || !matches!(profile.shape, ShapeSpec::Designed(_)) {
-        return None;
-    }
-    let mut other = profile.clone();
-    let law = StripLawSpec::LeastCurl;
-    other.projection =
-        Some(ProjectionSpec::Strip(crate::profile::StripSpec { law, ..strip.clone() }));
-    let now = designed.facts.pixel_error_px?.rms;
-    let found = design(&other).ok()?.facts.pixel_error_px?;
-    (found.rms < WORTH * now).then(|| {
-        format!(
-            "[projection.best] in the place of this law is off by {:.3} px rms, {:.3} px at most",
-            found.rms, found.max
-        )
-    })
 }
 
 /// How more of the frame is filled, or, where what is missing is hidden or in shadow, how the share that

@@ -109,3 +109,43 @@ fn limits_that_a_profile_names_take_the_place_of_the_usual_ones() {
     let reason = of(&named, off).expect("named");
     assert!(reason.contains("over the 0.1 px of accept.pixel_error_rms_px"), "{reason}");
 }
+
+/// A view with an exact mirror, of few pixels.
+fn view(mesh: &str, degree: usize, accept: &str) -> String {
+    format!(
+        "camera.pinhole = {{ pixels = [96, 72], hfov_deg = 30, distance_mm = 120 }}\n\
+         projection.perspective = {{ centre_deg = [0, 90], hfov_deg = 60 }}\nlayout.rectangle = {{}}\n\
+         method.vector-field.degree = {degree}\npart = {{ width_mm = 64, base_mm = 3 }}\nmesh = {{ {mesh} }}\n\
+         export.formats = [\"obj\"]\n{accept}"
+    )
+}
+
+#[test]
+fn facets_that_displace_the_picture_are_told_their_limit() {
+    for mesh in ["facet_px = 3", "chord_um = 60", "max_triangles = 500"] {
+        let report = built(&view(mesh, 10, ""));
+        let reason = of(&report, off).unwrap_or_else(|| panic!("{mesh} passes"));
+        assert!(reason.contains("its flat facets by the rest"), "{mesh}: {reason}");
+        assert_eq!(
+            reason.contains("in the place of max_triangles"),
+            mesh.contains("max"),
+            "{reason}"
+        );
+        let finer = built(&view(&format!("facet_px = {}", told(&reason, "facet_px")), 10, ""));
+        assert_eq!(finer.verdict, Verdict::Pass, "{mesh}: {reason}; {:?}", finer.reasons);
+    }
+}
+
+#[test]
+fn a_degree_that_is_too_low_is_told_a_higher_one() {
+    let accept = "accept = { pixel_error_rms_px = 0.1, pixel_error_max_px = 0.3 }\n";
+    let report = built(&view("facet_px = 0.1", 2, accept));
+    let reason = of(&report, off).expect("a bowl of second degree is far off");
+    let degree = told(&reason, "degree").parse().unwrap();
+    let higher = built(&view("facet_px = 0.1", degree, accept));
+    assert_eq!(higher.verdict, Verdict::Pass, "{reason}; {:?}", higher.reasons);
+    assert!(higher.design.pixel_error_px.unwrap().rms < 0.1);
+    // What facets leave no room for is not offered.
+    let coarse = of(&built(&view("facet_px = 3", 2, accept)), off).unwrap();
+    assert!(!coarse.contains("degree ="), "{coarse}");
+}
