@@ -10,7 +10,8 @@ pub(crate) struct EvenPlaces {
     count: usize,
 }
 
-/// Places that are kept: by the polynomial through six, with some hundred steps in a turn, the next is off by less than a search leaves.
+/// Places that are kept: what the polynomial through six lacks of the next falls with the sixth power of the step, to less than a
+/// search leaves where a turn, or a mirror's width, has some hundred steps.
 const PLACES: usize = 6;
 /// The next place over those before it, the last one first, by how many there are: the polynomial through all of them.
 const NEXT: [&[f64]; PLACES] = [

@@ -1,10 +1,11 @@
 //! Ways out where the picture is off its projection: a law, facets or a degree that follow it more closely. Every design has been
-//! tried; what finer facets leave is in proportion to their limit.
+//! tried, and every mesh foreseen; what finer facets leave is in proportion to their limit.
 
 use crate::design::{Design, design};
 use crate::num::hypot;
 use crate::num::rounding::two_digits_below;
 use crate::num::stats::Summary;
+use crate::part::plan;
 use crate::profile::{
     MeshGoal, Method, Profile, ProjectionSpec, ShapeSpec, StripLawSpec, StripSpec,
 };
@@ -28,7 +29,7 @@ pub(super) fn closer_picture(
     let law = another_law(profile, designed);
     // (Across the edges of a target's facets there is no limit for the mirror's.)
     let facets = facets.filter(|_| designed.view.as_ref().is_some_and(|view| view.has_bounds()));
-    let finer = || finer_facets(profile, designed.facts.pixel_error_px?, facets?);
+    let finer = || finer_facets(profile, designed, facets?);
     law.or_else(finer).or_else(|| higher_degree(profile, facets?))
 }
 
@@ -51,8 +52,9 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     })
 }
 
-/// The limit for facets with which the picture keeps the profile's limits, where the design does.
-fn finer_facets(profile: &Profile, own: Summary, facets: Summary) -> Option<String> {
+/// The limit for facets with which the picture keeps the profile's limits, where the design does and so fine a mesh can be made.
+fn finer_facets(profile: &Profile, designed: &Design, facets: Summary) -> Option<String> {
+    let own = designed.facts.pixel_error_px?;
     let limits = profile.acceptance_limits();
     let [rms, max] = [limits.pixel_error_rms_px.value, limits.pixel_error_max_px.value];
     if !(own.rms < rms && own.max < max) {
@@ -65,7 +67,9 @@ fn finer_facets(profile: &Profile, own: Summary, facets: Summary) -> Option<Stri
         MeshGoal::Budget(_) => "[mesh] in the place of max_triangles",
         MeshGoal::Limits { .. } => "[mesh]",
     };
-    (share < 1.0 && px >= LEAST_FACET_PX).then(|| {
+    let mesh = MeshGoal::limits(profile.mesh.chord_um(), Some(px));
+    let can_be_made = || plan(&Profile { mesh, ..profile.clone() }, designed).is_ok();
+    (share < 1.0 && px >= LEAST_FACET_PX && can_be_made()).then(|| {
         format!(
             "the design is off by {:.3} px rms, {:.3} px at most, and its flat facets by the rest: write facet_px = {px} in {place}",
             own.rms, own.max

@@ -97,7 +97,7 @@ impl Findings {
         match checks.iter().any(|check| check.held_to == HeldTo::Picture) {
             true => remedy::add_as_cut(&mut reasons),
             false => {
-                let (filled, facets) = (least_filled(&checks), facet_errors(&checks));
+                let (filled, facets) = (least_filled(&checks), facet_errors(design, &checks));
                 remedy::add((profile, design), filled, facets, &mut reasons);
             }
         }
@@ -117,11 +117,16 @@ fn least_filled(checks: &[FileCheck]) -> f64 {
     checks.iter().filter_map(|check| Some(check.frame.as_ref()?.filled)).fold(1.0, f64::min)
 }
 
-/// The largest facet errors of the files that are held to their design, px.
-fn facet_errors(checks: &[FileCheck]) -> Option<Summary> {
-    let held = checks.iter().filter(|check| check.held_to == HeldTo::Design);
-    let errors = held.filter_map(|check| check.trace.as_ref()?.errors.facet_error_px);
-    errors.reduce(|a, b| if b.max > a.max { b } else { a })
+/// The largest facet errors, px, of the files that are as the profile asks for them: a file of another making shows nothing of
+/// what other keys would make.
+fn facet_errors(design: &Design, checks: &[FileCheck]) -> Option<Summary> {
+    let as_asked = |check: &FileCheck| {
+        let trace = check.trace.as_ref().filter(|_| check.held_to == HeldTo::Design)?;
+        let errors = trace.errors.facet_error_px?;
+        let is_kept = check.promise.facet.is_none_or(|(px, _)| errors.max <= px.0 + ROUNDING_PX);
+        (is_kept && shape(design, check, trace).is_empty()).then_some(errors)
+    };
+    checks.iter().filter_map(as_asked).reduce(|a, b| if b.max > a.max { b } else { a })
 }
 
 /// Why a file does not pass.

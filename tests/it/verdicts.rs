@@ -1,7 +1,7 @@
 //! Verdicts on mirrors that are sound parts and poor pictures, and the ways out that they name.
 
 use crate::support::builds::{folder, parsed};
-use morion::internals::pipeline::{Silent, build};
+use morion::internals::pipeline::{Command, Silent, Verify, VerifyOptions, build};
 use morion::internals::results::{BuildReport, PictureFault, ReasonKind, Verdict};
 
 /// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
@@ -134,6 +134,26 @@ fn facets_that_displace_the_picture_are_told_their_limit() {
         let finer = built(&view(&format!("facet_px = {}", told(&reason, "facet_px")), 10, ""));
         assert_eq!(finer.verdict, Verdict::Pass, "{mesh}: {reason}; {:?}", finer.reasons);
     }
+}
+
+/// Limits that only a mesh keeps which is too large to be made: no key is told that would be refused.
+#[test]
+fn facets_too_fine_for_a_mesh_are_told_to_nobody() {
+    let accept = "accept = { pixel_error_rms_px = 0.0015, pixel_error_max_px = 0.0045 }\n";
+    let reason = of(&built(&view("facet_px = 1", 20, accept)), off).expect("facets displace it");
+    assert!(!reason.contains("facet_px = "), "{reason}");
+}
+
+/// A file that is coarser than the profile asks for is told that, and no key that would change nothing.
+#[test]
+fn a_file_of_another_making_is_told_no_key() {
+    let (coarse, folder) = (parsed(&view("facet_px = 3", 10, "")), folder());
+    build(&coarse, folder.path(), &Silent).unwrap();
+    let path = folder.path().join(&coarse.name).join("mirror.obj");
+    let verify = Verify { path: &path, options: VerifyOptions::default() };
+    let (found, _) = verify.in_memory(&parsed(&view("facet_px = 0.8", 10, "")), &Silent).unwrap();
+    let reason = found.reasons.iter().find(|reason| off(&reason.kind)).expect("facets displace it");
+    assert_eq!(reason.way_out, None);
 }
 
 #[test]
