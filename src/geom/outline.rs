@@ -60,10 +60,11 @@ impl Outline {
         }
     }
 
-    /// How far `q` lies outside the region, mm: 0 or less within.
+    /// How far `q` lies outside the region, mm: within, how far inside its rim, negative.
     #[must_use]
     pub fn distance_outside(&self, q: DVec2) -> f64 {
         match *self {
+            Self::Rect(rect) if rect.contains(q) => (rect.min - q).max(q - rect.max).max_element(),
             Self::Rect(rect) => (q - q.clamp(rect.min, rect.max)).length(),
             Self::Ring { inner, outer } => (q.length() - outer).max(inner - q.length()),
         }
@@ -185,6 +186,26 @@ mod tests {
             (DVec2::new(-1.0, -1.0), f64::sqrt(2.0)),
         ] {
             assert!((Outline::Rect(rect).reach(way) - exact).abs() < 1e-14);
+        }
+    }
+
+    /// Where the nearest place of the rim is a corner, the middle of a side, or of either circle.
+    #[test]
+    fn distances_have_a_sign() {
+        let rect = Rect { min: DVec2::new(-1.0, -2.0), max: DVec2::new(3.0, 5.0) };
+        let ring = Outline::Ring { inner: 1.0, outer: 3.0 };
+        for (outline, at, exact) in [
+            (Outline::Rect(rect), [6.0, 9.0], 5.0),
+            (Outline::Rect(rect), [1.0, 5.5], 0.5),
+            (Outline::Rect(rect), [3.0, 1.0], 0.0),
+            (Outline::Rect(rect), [2.5, 1.0], -0.5),
+            (Outline::Rect(rect), [0.0, -1.75], -0.25),
+            (ring, [0.0, 4.0], 1.0),
+            (ring, [0.0, 2.75], -0.25),
+            (ring, [1.25, 0.0], -0.25),
+            (ring, [0.5, 0.0], 0.5),
+        ] {
+            assert_eq!(outline.distance_outside(DVec2::from_array(at)), exact, "{at:?}");
         }
     }
 

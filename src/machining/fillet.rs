@@ -9,12 +9,15 @@ use serde::Serialize;
 /// mirror: in a valley the other panel is in the way of one that does not.
 #[must_use]
 pub fn clears_ridge(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> bool {
-    !mirror.folded || ridge_clearance(mirror, place, ball_mm) >= 0.0
+    ridge_clearance(mirror, place, ball_mm) >= 0.0
 }
 
-/// How far the centre of a ball on `place` is from the plane of the ridge, on the place's own side, mm.
-/// On the ridge the designed panel's side counts.
-fn ridge_clearance(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
+/// How far the centre of a ball on `place` is from the plane of the ridge, on the place's own side, mm: without a ridge
+/// infinitely far. On the ridge the designed panel's side counts.
+pub(super) fn ridge_clearance(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
+    if !mirror.folded {
+        return f64::INFINITY;
+    }
     let y = if place.at.y == 0.0 { mirror.outline.bounds().centre().y } else { place.at.y };
     y.signum() * (place.at.y + ball_mm * place.normal().y)
 }

@@ -1,12 +1,18 @@
 //! Paths of the ball: along the lines of a raster, and along the ridge of a folded mirror.
 
-use super::super::{BallRaster, MachiningError, clears_ridge, fillet_foot};
+use super::super::fillet::ridge_clearance;
+use super::super::{BallRaster, MachiningError, fillet_foot};
 use super::pass::Pass;
 use crate::geom::{DVec2, DVec3, EvenPlaces};
 use crate::mirror::{LocalSurface, Mirror};
 
-/// Bisections for the place where the ball ceases to fit: to a rounding error of the line.
+/// Most steps in the search for the place where the ball ceases to fit: bisections to a rounding error of the line.
 const BISECTIONS: usize = 40;
+/// Room that is left there, mm: a thousandth of what a program's finest digits are.
+const CLOSE_MM: f64 = 1e-9;
+/// Longest stride, in steps, over places where the ball surely fits. A step is a 200th of the face at most; after so small a part of
+/// it places and the ball's centre move by less than twice as much a step.
+const LONGEST_STRIDE: f64 = 16.0;
 
 /// A line of a raster over a mirror: the places `foot` + t `along` of the plan, t between both ends.
 pub(super) struct Line<'a> {
@@ -30,10 +36,7 @@ impl Line<'_> {
             let (lo, hi) = (lo + hair, hi - hair);
             let steps = ((hi - lo) / step).ceil().max(1.0) as usize;
             let at = |k: usize| lo + (hi - lo) * k as f64 / steps as f64;
-            let mut places = LinePlaces::new(self);
-            let good: Vec<bool> = (0..=steps)
-                .map(|k| places.next(at(k)).is_some_and(|place| self.fits(&place)))
-                .collect();
+            let good = self.good(steps, at);
             let mut next = 0;
             for run in good.chunk_by(|a, b| a == b) {
                 let (begin, end) = (next, next + run.len() - 1);
@@ -49,29 +52,74 @@ impl Line<'_> {
         Ok(passes)
     }
 
-    /// Whether the ball fits on a place, over the face or a little beside it.
-    fn fits(&self, place: &LocalSurface) -> bool {
-        let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
-        let q = self.mirror.chart.coordinates(place.at).0;
-        clears_ridge(self.mirror, place, ball_mm)
-            && self.mirror.full_outline().distance_outside(q) <= 2.0 * stepover_mm
+    /// Whether the ball fits at each of the places `at` 0 to `steps`.
+    fn good(&self, steps: usize, at: impl Fn(usize) -> f64) -> Vec<bool> {
+        let mut good = Vec::with_capacity(steps + 1);
+        // The last place and the ball's centre on it, and how far the place was, a step, from the one before.
+        let mut last: Option<(DVec2, DVec3)> = None;
+        let (mut moved, mut stride) = (DVec2::ZERO, 1);
+        while good.len() <= steps {
+            let over = self.over(at(good.len()));
+            let near = last.map_or(over, |(q, _)| q + moved * stride as f64);
+            let mirror = self.mirror;
+            let found = mirror.extended_surface_near(over, near);
+            let found = found.or_else(|| mirror.extended_surface_near(over, over));
+            let room = found.as_ref().map(|(place, _)| self.room(place));
+            good.push(room.is_some_and(|room| room >= 0.0));
+            let now = found.map(|(place, q)| (q, place.at + place.normal() * self.raster.ball_mm));
+            let (Some(room), Some(now), Some(before)) = (room, now, last) else {
+                (last, moved, stride) = (now, DVec2::ZERO, 1);
+                continue;
+            };
+            let share = 1.0 / stride as f64;
+            moved = (now.0 - before.0) * share;
+            let fastest = moved.length().max((now.1 - before.1).length() * share);
+            last = Some(now);
+            stride = safe_stride(room, fastest);
+            let left_out = (stride - 1).min(steps + 1 - good.len());
+            good.extend(std::iter::repeat_n(true, left_out));
+        }
+        good
     }
 
-    /// The last place where the ball fits between one where it does not and one where it does.
+    /// How far a place and the ball's centre on it may move, mm, before the ball does not fit over the face or a little beside it;
+    /// negative where it does not.
+    fn room(&self, place: &LocalSurface) -> f64 {
+        let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
+        let q = self.mirror.chart.coordinates(place.at).0;
+        let inside = 2.0 * stepover_mm - self.mirror.full_outline().distance_outside(q);
+        inside.min(ridge_clearance(self.mirror, place, ball_mm))
+    }
+
+    /// The last place where the ball fits between one where it does not and one where it does: by false position, of which
+    /// an end that stays counts for half (the method called Illinois).
     fn edge(&self, mut bad: f64, mut good: f64) -> f64 {
-        let over = |t: f64| self.foot + self.along * t;
-        let mut near = over(good);
+        let mut near = self.over(good);
+        let mut room = |t: f64| {
+            let (place, q) = self.mirror.extended_surface_near(self.over(t), near)?;
+            near = q;
+            Some(self.room(&place)).filter(|room| room.is_finite())
+        };
+        let (mut at_good, mut at_bad) = (room(good), room(bad).filter(|room| *room < 0.0));
         for _ in 0..BISECTIONS {
-            let middle = 0.5 * (bad + good);
-            let found = self.mirror.extended_surface_near(over(middle), near);
-            near = found.as_ref().map_or(near, |(_, q)| *q);
-            if found.is_some_and(|(place, _)| self.fits(&place)) {
-                good = middle;
+            let share = at_good.zip(at_bad).map_or(0.5, |(good, bad)| good / (good - bad));
+            let t = good + (bad - good) * share;
+            let found = room(t);
+            if found.is_some_and(|room| room >= 0.0) {
+                (good, at_good, at_bad) = (t, found, at_bad.map(|room| 0.5 * room));
+                if found <= Some(CLOSE_MM) {
+                    break;
+                }
             } else {
-                bad = middle;
+                (bad, at_bad, at_good) = (t, found, at_good.map(|room| 0.5 * room));
             }
         }
         good
+    }
+
+    /// The place of the plan at `t`.
+    fn over(&self, t: f64) -> DVec2 {
+        self.foot + self.along * t
     }
 
     /// One pass from place to place, in even steps of at most `step`.
@@ -81,8 +129,7 @@ impl Line<'_> {
         let mut places = LinePlaces::new(self);
         let centre = |k: usize| {
             let t = from + step * k as f64;
-            let at = self.foot + self.along * t;
-            let place = places.next(t).ok_or(MachiningError::Lost { at })?;
+            let place = places.next(t).ok_or(MachiningError::Lost { at: self.over(t) })?;
             Ok(centre(&place, self.raster.ball_mm, self.along))
         };
         let centres = (0..=steps).map(centre).collect::<Result<_, MachiningError>>()?;
@@ -101,6 +148,12 @@ impl Line<'_> {
     }
 }
 
+/// Steps to a place up to which the ball surely fits, where it has `room` and moved by `fastest` a step, mm.
+fn safe_stride(room: f64, fastest: f64) -> usize {
+    let surely = 0.5 * room / fastest;
+    if surely > 1.0 { surely.min(LONGEST_STRIDE) as usize } else { 1 }
+}
+
 /// Places of a mirror at even steps along a line: each is searched for where those before lead to.
 struct LinePlaces<'a> {
     line: &'a Line<'a>,
@@ -115,7 +168,7 @@ impl<'a> LinePlaces<'a> {
 
     /// The next place, which is at `t`; none where there is none.
     fn next(&mut self, t: f64) -> Option<LocalSurface> {
-        let over = self.line.foot + self.line.along * t;
+        let over = self.line.over(t);
         let near = self.found.expected().unwrap_or(over);
         let mirror = self.line.mirror;
         let found = mirror.extended_surface_near(over, near);
@@ -179,4 +232,83 @@ pub(super) fn passes_along_ridge(mirror: &Mirror, ball: f64, step: f64) -> Vec<P
         passes.extend(flips.iter().map(|&flip| pass(flip)));
     }
     passes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mirror::fixtures::{quadric, roof};
+    use crate::num::radians;
+
+    /// Lines of several directions over a bowl and a saddle under a pinhole, a roof and a valley.
+    fn lines(mut test: impl FnMut(&Line)) {
+        let bowls = [quadric([0.05, 0.03, 0.06], 0.03), quadric([-0.06, 0.02, 0.05], 0.03)];
+        for mirror in bowls.into_iter().chain([roof(20.0), roof(-20.0)]) {
+            for degrees in [0.0, 33.0, 90.0] {
+                let raster = BallRaster { ball_mm: 2.0, stepover_mm: 0.1, angle: radians(degrees) };
+                let along = raster.along();
+                for k in -25..=25 {
+                    let foot = along.perp() * (0.2 * f64::from(k) + 0.01);
+                    test(&Line { mirror: &mirror, raster, foot, along, ends: [-6.0, 6.0] });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_left_out_where_the_ball_fits_alone() {
+        let (mut looked_at, mut fits) = (0, 0);
+        lines(|line| {
+            for [lo, hi] in line.stretches() {
+                let at = |k: usize| lo + 1e-6 + (hi - lo - 2e-6) * k as f64 / 240.0;
+                let good = line.good(240, at);
+                for (k, good) in good.into_iter().enumerate() {
+                    let found = line.mirror.extended_surface_over(line.over(at(k)));
+                    let exact = found.is_some_and(|place| line.room(&place) >= 0.0);
+                    assert_eq!(good, exact, "{:?} at {}", line.raster, line.over(at(k)));
+                    looked_at += 1;
+                    fits += usize::from(good);
+                }
+            }
+        });
+        assert!(fits > looked_at / 4 && fits < looked_at * 3 / 4, "{fits} of {looked_at}");
+    }
+
+    #[test]
+    fn strides_are_half_of_the_room_and_never_none() {
+        for (room, fastest, steps) in [
+            (1.0, 0.1, 5),
+            (1.0, 0.01, 16),
+            (1.0, 0.0, 16),
+            (0.15, 0.1, 1),
+            (-1.0, 0.1, 1),
+            (f64::NAN, 0.1, 1),
+            (1.0, f64::NAN, 1),
+        ] {
+            assert_eq!(safe_stride(room, fastest), steps, "{room} by {fastest}");
+        }
+    }
+
+    #[test]
+    fn passes_end_where_the_ball_ceases_to_fit() {
+        lines(|line| {
+            for pass in line.passes(0.05).unwrap() {
+                let last = pass.centres.len() - 1;
+                for t in [pass.start, pass.start + pass.step * last as f64] {
+                    let is_end = line.ends.iter().any(|end| (t - end).abs() < 1e-6)
+                        || line.over(t).y.abs() < 1e-6;
+                    let room = |t: f64| {
+                        let place = line.mirror.extended_surface_over(line.over(t)).unwrap();
+                        line.room(&place)
+                    };
+                    assert!(
+                        is_end || (-1e-9..=2.0 * CLOSE_MM).contains(&room(t)),
+                        "{} {}",
+                        line.over(t),
+                        room(t)
+                    );
+                }
+            }
+        });
+    }
 }
