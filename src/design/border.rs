@@ -163,18 +163,19 @@ pub(super) fn plan_bounds(mirror: &Mirror, border: Option<&Border>) -> Rect {
 
 /// The rectangle along X and Y around the mirror and the foot of its skirt, which is at height `foot_mm`.
 pub(super) fn extent(mirror: &Mirror, foot_mm: f64) -> Rect {
-    let rect = match mirror.full_outline() {
+    let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+    let (rect, foot) = match mirror.full_outline() {
         Outline::Ring { outer, .. } => {
             // A mirror under a pinhole has a round outline only if it is round itself.
             let half = DVec2::splat(plan(mirror, DVec2::new(outer, 0.0)).x);
             return Rect { min: -half, max: half };
         }
         Outline::Rect(rect) if mirror.has_steps() => {
-            // The skirt leads outwards from the rim.
-            let scale = mirror.chart.view_scale(foot_mm);
-            return Rect { min: rect.min * scale, max: rect.max * scale };
+            // The skirt leads along the camera's rays: outwards from the rim, or, on a side over which they lean, inwards.
+            let [min, max] = [rect.min, rect.max].map(|q| mirror.chart.ray_at(q, foot_mm));
+            (rect, Rect { min, max })
         }
-        Outline::Rect(rect) => rect,
+        Outline::Rect(rect) => (rect, none),
     };
     let rim = (0..=STEPS).flat_map(|k| {
         let q = rect.min + rect.size() * (k as f64 / STEPS as f64);
@@ -183,9 +184,8 @@ pub(super) fn extent(mirror: &Mirror, foot_mm: f64) -> Rect {
         let along = [rect.min.x, rect.max.x].map(|x| DVec2::new(x, q.y));
         [across, along].concat()
     });
-    let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
     rim.map(|q| plan(mirror, q))
-        .fold(none, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) })
+        .fold(foot, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) })
 }
 
 /// The rectangle or ring about the axis that holds the mirror and the foot of its skirt, over X and Y.

@@ -257,7 +257,7 @@ pub enum FailureCause {
     /// The target has nothing where a pixel should see it.
     #[error(
         "pixel ({}, {}) should show azimuth {:.4}, elevation {:.4} degrees from the viewpoint, where [target.mesh] has no \
-         facet; {share_percent:.2} % of the frame's pixels miss it (extend the mesh, or leave them out as NaN in [projection.map])", pixel[0], pixel[1], angles_deg[0], angles_deg[1]
+         facet; {share_percent:.2} % of the frame's pixels miss it (extend the mesh, or give directions as data that leave them out as NaN)", pixel[0], pixel[1], angles_deg[0], angles_deg[1]
     )]
     MissedTarget {
         /// Column and row, from 0.

@@ -48,13 +48,12 @@ pub(super) fn check(profile: &Profile, problem: &DesignProblem) -> Result<(), Fa
         let pixel = [columns[k % columns.len()], rows[k / columns.len()]];
         wanted_place(problem, DVec2::from_array(pixel.map(|at| at as f64 + 0.5)))
     });
-    let all = places.iter().flatten().count();
     let missing = places.iter().flatten().filter(|place| place.parallax.is_none());
     if let Some(first) = missing.clone().next() {
         return Err(FailureCause::MissedTarget {
             pixel: first.column_and_row(),
             angles_deg: angles_deg(first.wanted),
-            share_percent: 100.0 * missing.count() as f64 / all as f64,
+            share_percent: 100.0 * missing.count() as f64 / places.len() as f64,
         });
     }
     let most_px = profile.acceptance_limits().pixel_error_max_px.value;

@@ -64,7 +64,7 @@ impl MapFacts {
     }
 }
 
-/// Lines between panels, which a lens with distortion bends in the picture.
+/// Lines between panels, which a lens with distortion bends in the picture, and a camera that leans sees run together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct DividingLineFacts {

@@ -38,6 +38,10 @@ struct Meeting {
     length_mm: f64,
     /// What was found at places along it.
     places: Vec<MeetingPlace>,
+    /// Least and largest height of the first panel over the second, mm.
+    over: [f64; 2],
+    /// Mean of it, mm.
+    mean_mm: f64,
 }
 
 /// A place on a line between two panels.
@@ -49,13 +53,15 @@ struct MeetingPlace {
 }
 
 /// Panels raised in one order.
-struct RaisedPanels {
+pub(super) struct RaisedPanels {
+    /// The rank of each panel in that order, the highest one last.
+    pub order: Vec<usize>,
     /// Area of the walls, mm^2.
     walls_mm2: f64,
     /// Area of the chart that they shadow, mm^2.
     shaded_mm2: f64,
     /// How much each panel is raised, mm.
-    by: Vec<f64>,
+    pub by: Vec<f64>,
 }
 
 impl<'a> PanelJoint<'a> {
@@ -74,17 +80,11 @@ impl<'a> PanelJoint<'a> {
         Self { parts, lines, meetings: lines.iter().enumerate().flat_map(meetings).collect() }
     }
 
-    /// How much each panel is raised, mm: in the order with the smallest walls of those that shadow [`MORE_SHADED`] more than
-    /// the best at most. None where a height on a line between panels is no number.
-    pub(super) fn heights(&self) -> Option<Vec<f64>> {
+    /// The panels raised in the order with the smallest walls of those that shadow [`MORE_SHADED`] more than the best at most.
+    /// None where a height on a line between panels is no number.
+    pub(super) fn best(&self) -> Option<RaisedPanels> {
         let mut tried = Vec::new();
-        for_each_order(self.parts.0.len(), &mut |order| {
-            let Some(signs) = sides_above(self.lines, order) else { return };
-            let raised = self.raised(&signs, order);
-            if raised.walls_mm2.is_finite() && raised.shaded_mm2.is_finite() {
-                tried.push(raised);
-            }
-        });
+        for_each_order(self.parts.0.len(), &mut |order| tried.extend(self.raised(order)));
         let least = tried.iter().map(|raised| raised.shaded_mm2).reduce(f64::min)?;
         let area: f64 = self.parts.0.iter().map(Rect::area).sum();
         let shadows_little =
@@ -92,19 +92,17 @@ impl<'a> PanelJoint<'a> {
         // (The first of equal ones.)
         let smaller =
             |a: RaisedPanels, b: RaisedPanels| if b.walls_mm2 < a.walls_mm2 { b } else { a };
-        let RaisedPanels { by, .. } = tried.into_iter().filter(shadows_little).reduce(smaller)?;
-        let mean =
-            self.parts.0.iter().zip(&by).map(|(part, by)| part.area() * by).sum::<f64>() / area;
-        Some(by.into_iter().map(|by| by - mean).collect())
+        tried.into_iter().filter(shadows_little).reduce(smaller)
     }
 
-    /// The panels in an order of them, raised as little as that takes. `signs` are 1 for each line whose first side is
-    /// above.
-    fn raised(&self, signs: &[f64], order: &[usize]) -> RaisedPanels {
-        let by = least_steps(&self.meetings, signs, order);
+    /// The panels in an order of them, raised as little as that takes, by nothing in the mean. None where a line has panels
+    /// on one side between those on the other, or a height on a line is no number.
+    pub(super) fn raised(&self, order: &[usize]) -> Option<RaisedPanels> {
+        let signs = sides_above(self.lines, order)?;
+        let by = least_steps(&self.meetings, &signs, order);
         let of_walls = |m: &Meeting| {
             let [sign, rise] = [signs[m.line], by[m.pair[0]] - by[m.pair[1]]];
-            m.length_mm * sign * (m.mean_mm() + rise)
+            m.length_mm * sign * (m.mean_mm + rise)
         };
         let shaded = |m: &Meeting| {
             let sign = signs[m.line];
@@ -115,11 +113,15 @@ impl<'a> PanelJoint<'a> {
                 |at: &MeetingPlace| (at.shaded[lower] * sign * (at.over_mm + rise)).min(depth_mm);
             m.length_mm * m.places.iter().map(width).sum::<f64>() / PLACES as f64
         };
-        RaisedPanels {
-            walls_mm2: self.meetings.iter().map(of_walls).sum(),
-            shaded_mm2: self.meetings.iter().map(shaded).sum(),
-            by,
-        }
+        let walls_mm2: f64 = self.meetings.iter().map(of_walls).sum();
+        let shaded_mm2: f64 = self.meetings.iter().map(shaded).sum();
+        let areas = self.parts.0.iter().map(Rect::area);
+        let volume: f64 = areas.clone().zip(&by).map(|(area, by)| area * by).sum();
+        let mean = volume / areas.sum::<f64>();
+        let by = by.into_iter().map(|by| by - mean).collect();
+        let order = order.to_vec();
+        let is_finite = walls_mm2.is_finite() && shaded_mm2.is_finite();
+        is_finite.then_some(RaisedPanels { order, walls_mm2, shaded_mm2, by })
     }
 }
 
@@ -140,18 +142,11 @@ impl Meeting {
                 shaded: [shaded(0, below.slope), shaded(1, above.slope)],
             }
         };
-        Self { line: number, pair, length_mm, places: (0..PLACES).map(place).collect() }
-    }
-
-    /// Least and largest height of the first panel over the second, mm.
-    fn over(&self) -> [f64; 2] {
-        let over = || self.places.iter().map(|at| at.over_mm);
-        [over().fold(f64::INFINITY, f64::min), over().fold(f64::NEG_INFINITY, f64::max)]
-    }
-
-    /// Mean of it, mm.
-    fn mean_mm(&self) -> f64 {
-        self.places.iter().map(|at| at.over_mm).sum::<f64>() / PLACES as f64
+        let places: Vec<MeetingPlace> = (0..PLACES).map(place).collect();
+        let over = || places.iter().map(|at| at.over_mm);
+        let ends = [over().fold(f64::INFINITY, f64::min), over().fold(f64::NEG_INFINITY, f64::max)];
+        let mean_mm = over().sum::<f64>() / PLACES as f64;
+        Self { line: number, pair, length_mm, over: ends, mean_mm, places }
     }
 }
 
@@ -211,7 +206,7 @@ fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> 
     let steps: Vec<([usize; 2], f64, f64)> = meetings
         .iter()
         .map(|m| {
-            let ([a, b], [least, most]) = (m.pair, m.over());
+            let ([a, b], [least, most]) = (m.pair, m.over);
             match signs[m.line] > 0.0 {
                 true => ([a, b], LEAST_STEP_MM - least, m.length_mm),
                 false => ([b, a], LEAST_STEP_MM + most, m.length_mm),

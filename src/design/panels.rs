@@ -2,14 +2,16 @@
 //! small steps that shadow little.
 //!
 //! Under a pinhole a mirror that shows what is far away may be scaled about the entrance pupil, which adds a constant to
-//! its height f over the chart and changes nothing of what it shows. A panel's height is therefore free. Where two
+//! its height f over the chart and changes nothing of what it shows. A panel's height is therefore free. Before a near target
+//! it is as free, but the panel has to be solved for at its height, which its neighbours decide. Where two
 //! panels meet, the wall between them lies in a plane through the pupil, so that the camera sees its edge alone.
 
 use super::cause::FailureCause;
+use super::faceted_target;
 use super::facts::{DesignFacts, DividingLineFacts};
 use super::layout::{DesignProblem, rectangle_of};
 use super::panel_joint::PanelJoint;
-use super::surface;
+use super::{MOST_ROUNDS, surface};
 use crate::geom::{DVec2, DividingLine, Outline, Panels, Rect};
 use crate::mirror::{Mirror, PanelledSurface, Surface, TensorLegendre};
 use crate::num::legendre::Series;
@@ -18,9 +20,12 @@ use crate::num::units::Mm;
 use crate::optics::{
     Azimuthal, Camera, FramedView, ImagingTask, PanelledView, Projection, SampledMap, Target,
 };
+use crate::parallel;
 use crate::profile::{Method, PanelSpec, PanelViewSpec, Profile};
 use std::sync::Arc;
 
+/// Change of a panel's height in the last round, as a share of the part's width: nanometres, which displace nothing near.
+const HEIGHT_LEFT: f64 = 1e-7;
 /// Places along a line between panels at which its picture is compared with the edge that it stands for.
 const PLACES: usize = 257;
 
@@ -50,21 +55,9 @@ pub(super) fn solved(
         .zip(&parts.0)
         .map(|(panel, part)| view(profile, &camera, *part, panel))
         .collect();
-    let (mut sheets, mut all_facts) = (Vec::new(), Vec::new());
-    for (part, view) in parts.0.iter().zip(&views) {
-        let view = Projection::Framed(view.clone());
-        let problem = DesignProblem::framed(camera, *part, view, Target::Infinity, false);
-        let (mirror, facts) = surface::solved(&problem, method)?;
-        let Surface::Tensor(sheet) = mirror.surface else {
-            unreachable!("a rectangle's mirror is a tensor series")
-        };
-        sheets.push(sheet);
-        all_facts.push(facts);
-    }
-    let raised = PanelJoint::new(&camera.chart, &parts, &lines, &sheets)
-        .heights()
-        .ok_or(FailureCause::NotFinite { what: "step between panels" })?;
-    let sheets = sheets.iter().zip(raised).map(|(sheet, by)| raise(sheet, by)).collect();
+    let target = wanted[0].view.target().clone();
+    let panels = PanelProblems { profile, camera, parts: &parts, views: &views, target: &target };
+    let (sheets, all_facts) = panels.joined(&lines, method)?;
     let mirror = Mirror {
         surface: Surface::Panels(PanelledSurface { parts: parts.clone(), sheets }),
         chart: camera.chart,
@@ -78,7 +71,7 @@ pub(super) fn solved(
             picture: camera.picture,
             views,
         })),
-        target: Target::Infinity,
+        target,
         origin_mm: 0.0,
         fold: None,
         picture: camera.picture,
@@ -90,6 +83,77 @@ pub(super) fn solved(
         mirror,
         facts: DesignFacts { dividing_lines, ..joint(&all_facts) },
     })
+}
+
+/// The problems of all panels.
+struct PanelProblems<'a> {
+    profile: &'a Profile,
+    camera: Camera,
+    parts: &'a Panels,
+    views: &'a [FramedView],
+    target: &'a Target,
+}
+
+impl PanelProblems<'_> {
+    /// The surfaces of all panels, raised to meet, and the figures of each. Before a near target they are solved for anew
+    /// until their heights stay, in the order of the first round.
+    ///
+    /// # Errors
+    /// [`FailureCause`] as of [`solved`].
+    fn joined(
+        &self,
+        lines: &[DividingLine],
+        method: &Method,
+    ) -> Result<(Vec<TensorLegendre>, Vec<DesignFacts>), FailureCause> {
+        let mut raised_mm = vec![0.0; self.parts.0.len()];
+        let mut order: Option<Vec<usize>> = None;
+        let mut last_step_mm = f64::NAN;
+        for _ in 0..MOST_ROUNDS {
+            let solve = |k: usize| self.sheet(k, raised_mm[k], method);
+            let solved = parallel::map(self.parts.0.len(), 1, solve);
+            let solved = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
+            let (sheets, facts): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
+            let joint = PanelJoint::new(&self.camera.chart, self.parts, lines, &sheets);
+            let raised = order.as_ref().map_or_else(|| joint.best(), |order| joint.raised(order));
+            let raised = raised.ok_or(FailureCause::NotFinite { what: "step between panels" })?;
+            let steps = raised.by.iter().zip(&raised_mm).map(|(to, from)| (to - from).abs());
+            last_step_mm = steps.fold(0.0, f64::max);
+            let is_far = *self.target == Target::Infinity;
+            if is_far || last_step_mm <= HEIGHT_LEFT * self.profile.part.width_mm {
+                let raise = |(sheet, by): (&TensorLegendre, &f64)| raise(sheet, *by);
+                return Ok((sheets.iter().zip(&raised.by).map(raise).collect(), facts));
+            }
+            (raised_mm, order) = (raised.by, Some(raised.order));
+        }
+        Err(FailureCause::NotSelfConsistent { rounds: MOST_ROUNDS, last_step_mm })
+    }
+
+    /// The surface of panel `k` as it is about the reference plane, where it is to be raised by `raised_mm`, and its figures.
+    /// Raising it scales it about the entrance pupil, as lowering it scales the target.
+    fn sheet(
+        &self,
+        k: usize,
+        raised_mm: f64,
+        method: &Method,
+    ) -> Result<(TensorLegendre, DesignFacts), FailureCause> {
+        let chart = &self.camera.chart;
+        let target = match (self.target, chart.pupil()) {
+            (Target::Posed(target), Some(pupil)) => {
+                let [there, here] =
+                    [0.0, raised_mm].map(|f| (chart.point(DVec2::ZERO, f) - pupil).length());
+                Target::Posed(target.scaled_about(pupil, there / here))
+            }
+            (target, _) => target.clone(),
+        };
+        let view = Projection::Framed(self.views[k].clone());
+        let problem = DesignProblem::framed(self.camera, self.parts.0[k], view, target, false);
+        faceted_target::check(self.profile, &problem)?;
+        let (mirror, facts) = surface::solved(&problem, method)?;
+        let Surface::Tensor(sheet) = mirror.surface else {
+            unreachable!("a rectangle's mirror is a tensor series")
+        };
+        Ok((sheet, facts))
+    }
 }
 
 /// The panel's part of the frame, mm.
@@ -127,13 +191,14 @@ fn view(profile: &Profile, camera: &Camera, part: Rect, panel: &PanelSpec) -> Fr
     FramedView::Azimuthal(view.about(picture.centre()))
 }
 
-/// How far lines between panels are from the edges that they stand for, in the picture of a lens that bends them.
+/// How far lines between panels are from the edges that they stand for, in the picture of a lens that bends them, or of a camera
+/// that leans over the part.
 fn dividing_lines(
     camera: &Camera,
     wanted: &[PanelSpec],
     lines: &[DividingLine],
 ) -> Option<DividingLineFacts> {
-    if !camera.picture.is_distorted() {
+    if !camera.picture.is_distorted() && camera.picture.is_over_axis() {
         return None;
     }
     let departure = |line: &DividingLine| {

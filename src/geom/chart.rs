@@ -121,7 +121,14 @@ impl Chart {
     #[inline]
     #[must_use]
     pub fn passing(&self, p: DVec3, z: f64) -> DVec2 {
-        self.coordinates(p).0 * self.view_scale(z) + self.lean * (z - self.plane_mm)
+        self.ray_at(self.coordinates(p).0, z)
+    }
+
+    /// X and Y, mm, at which the ray of image point `q` passes the height `z`.
+    #[inline]
+    #[must_use]
+    pub fn ray_at(&self, q: DVec2, z: f64) -> DVec2 {
+        q * self.view_scale(z) + self.lean * (z - self.plane_mm)
     }
 
     /// h of height `f`, mm.

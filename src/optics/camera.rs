@@ -209,6 +209,12 @@ impl Camera {
         Rect { min: -half, max: half }
     }
 
+    /// Whether all of the frame's edge sees the reference plane: nothing of it reaches beyond the plane's horizon.
+    #[must_use]
+    pub fn sees_plane(&self) -> bool {
+        edge_places(self.frame()).all(|image| self.picture.chart_point(image).is_finite())
+    }
+
     /// The smallest rectangle of the reference plane, in chart coordinates, that holds all that a rectangle of the
     /// picture shows of it.
     #[must_use]
@@ -267,21 +273,24 @@ impl Camera {
     }
 }
 
-/// The smallest rectangle around the image of a rectangle's edge.
-fn bounds_of_edge(rect: Rect, image: impl Fn(DVec2) -> DVec2) -> Rect {
+/// Places on a rectangle's edge, corners included.
+fn edge_places(rect: Rect) -> impl Iterator<Item = DVec2> {
     /// Places along each side: between two of them the image of an edge is straight, or nearly so.
     const SIDE: usize = 64;
-    let mut bounds = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
-    for k in 0..=SIDE {
+    (0..=SIDE).flat_map(move |k| {
         let t = k as f64 / SIDE as f64;
         let edges =
             [DVec2::new(t, 1.0), DVec2::new(t, 0.0), DVec2::new(1.0, t), DVec2::new(0.0, t)];
-        for share in edges {
-            let q = image(rect.min + share * rect.size());
-            bounds = Rect { min: bounds.min.min(q), max: bounds.max.max(q) };
-        }
-    }
-    bounds
+        edges.map(|share| rect.min + share * rect.size())
+    })
+}
+
+/// The smallest rectangle around the image of a rectangle's edge.
+fn bounds_of_edge(rect: Rect, image: impl Fn(DVec2) -> DVec2) -> Rect {
+    let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+    edge_places(rect)
+        .map(image)
+        .fold(none, |all, q| Rect { min: all.min.min(q), max: all.max.max(q) })
 }
 
 #[cfg(test)]

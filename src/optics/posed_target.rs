@@ -111,6 +111,13 @@ impl PosedTarget {
         if target.parts(viewpoint_mm, DVec3::ZERO) { Err(PoseFault::Parted) } else { Ok(target) }
     }
 
+    /// Surface and viewpoint in a world `scale` times as large, about `centre_mm` (mm from the middle of the mirror).
+    #[must_use]
+    pub fn scaled_about(&self, centre_mm: DVec3, scale: f64) -> Self {
+        let viewpoint_mm = centre_mm + (self.viewpoint_mm - centre_mm) * scale;
+        Self { viewpoint_mm, scale_mm: self.scale_mm * scale, shape: self.shape.clone() }
+    }
+
     /// How far a place (mm from the middle of the mirror) lies inside the surface, or on the viewpoint's side of a
     /// plane, as a share of radius or distance; negative beyond it. None of triangles, which may have no inside.
     fn inside(&self, at_mm: DVec3) -> Option<f64> {

@@ -14,31 +14,33 @@ pub enum ProjectionSpec {
     Azimuthal(AzimuthalSpec),
     /// Directions given as data.
     Map(MapSpec),
-    /// Views side by side, each on a panel of its own: at least two, which tile the frame without gaps or overlaps.
+    /// Views of one surface side by side, each on a panel of its own: at least two, which tile the frame without gaps or
+    /// overlaps.
     Panels(Vec<PanelSpec>),
 }
 
 impl ProjectionSpec {
     /// Surface that the picture shows.
     pub fn target(&self) -> &Target {
-        static FAR: Target = Target::Infinity;
         match self {
             ProjectionSpec::Strip(strip) => &strip.target,
             ProjectionSpec::Radial(radial) => &radial.target,
             ProjectionSpec::Azimuthal(view) => &view.target,
             ProjectionSpec::Map(map) => &map.target,
-            ProjectionSpec::Panels(_) => &FAR,
+            ProjectionSpec::Panels(panels) => panels[0].view.target(),
         }
     }
 
-    /// The same, to be changed; none of panels, which show what is far away.
-    pub fn target_mut(&mut self) -> Option<&mut Target> {
+    /// Sets the surface that the picture shows.
+    pub(crate) fn set_target(&mut self, to: Target) {
         match self {
-            ProjectionSpec::Strip(strip) => Some(&mut strip.target),
-            ProjectionSpec::Radial(radial) => Some(&mut radial.target),
-            ProjectionSpec::Azimuthal(view) => Some(&mut view.target),
-            ProjectionSpec::Map(map) => Some(&mut map.target),
-            ProjectionSpec::Panels(_) => None,
+            ProjectionSpec::Strip(strip) => strip.target = to,
+            ProjectionSpec::Radial(radial) => radial.target = to,
+            ProjectionSpec::Azimuthal(view) => view.target = to,
+            ProjectionSpec::Map(map) => map.target = to,
+            ProjectionSpec::Panels(panels) => {
+                panels.iter_mut().for_each(|panel| panel.view.set_target(to.clone()));
+            }
         }
     }
 }
@@ -125,7 +127,7 @@ pub struct PanelSpec {
     pub columns: [u32; 2],
     /// Rows of the frame from the upper edge to the lower one, pixels: rising, within the frame.
     pub rows: [u32; 2],
-    /// What it shows of what is far away.
+    /// What it shows.
     pub view: PanelViewSpec,
 }
 
@@ -136,6 +138,24 @@ pub enum PanelViewSpec {
     Azimuthal(AzimuthalSpec),
     /// Directions over the panel's part of the frame.
     Map(MapSpec),
+}
+
+impl PanelViewSpec {
+    /// Surface that the panel shows.
+    pub(crate) fn target(&self) -> &Target {
+        match self {
+            Self::Azimuthal(view) => &view.target,
+            Self::Map(map) => &map.target,
+        }
+    }
+
+    /// Sets the surface that the panel shows.
+    fn set_target(&mut self, to: Target) {
+        match self {
+            Self::Azimuthal(view) => view.target = to,
+            Self::Map(map) => map.target = to,
+        }
+    }
 }
 
 /// A picture given as data.

@@ -103,7 +103,7 @@ impl ToRows for DividingLineFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
         let px = error_px(self.departure_px);
         let sentence = format!(
-            "the lens bends those between panels by {px} px at most from the profile's edges"
+            "those between panels are off the profile's edges by {px} px at most in the picture"
         );
         rows.named("lines", "lines between panels", sentence);
     }

@@ -12,7 +12,7 @@ pub use check::{check, open_edges};
 pub use defect::{Defect, OpenBoundary, SolidCheck};
 pub use skirt::Rim;
 
-use crate::geom::{DVec2, DVec3, FaceMesh, PartFeatures, Precision, TriMesh};
+use crate::geom::{DVec2, DVec3, FaceMesh, PartFeatures, Precision, Rect, TriMesh};
 use crate::num::sort_by_number;
 use crate::parallel;
 use skirt::Feet;
@@ -148,7 +148,7 @@ impl Solid {
         match features.border {
             None if blind.is_empty() && drains.is_empty() => {
                 let centre = mesh.vertices.len() as u32;
-                mesh.vertices.push(DVec3::ZERO);
+                mesh.vertices.push(base_centre(&mesh, &feet));
                 mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
             }
             None => border_facets::drill(&mut mesh, &feet, (drains, blind), precision)?,
@@ -262,6 +262,15 @@ pub fn rim(face: &FaceMesh) -> Result<Rim, SolidError> {
 }
 
 /// The sides of a closed loop.
+/// A place from which the whole base is seen, mm: the axis, or the middle of the rectangle that a camera which leans leaves
+/// beside it.
+fn base_centre(mesh: &TriMesh, feet: &[u32]) -> DVec3 {
+    let feet = feet.iter().map(|&v| mesh.vertices[v as usize].truncate());
+    let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+    let bounds = feet.fold(none, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) });
+    if bounds.contains(DVec2::ZERO) { DVec3::ZERO } else { bounds.centre().extend(0.0) }
+}
+
 fn sides(vertices: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     let next = vertices.iter().cycle().skip(1);
     vertices.iter().zip(next).map(|(&v, &next)| [v, next])
@@ -350,6 +359,23 @@ mod tests {
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
         let around = Rim { edges: 4, steps: 0, hole_edges: 0 };
         assert_eq!((rim(&face()).unwrap(), added(around, PartFeatures::NONE)), (around, 8 + 4));
+    }
+
+    /// A skirt may lead so far to one side that the axis is beside its foot: the base has its facets within the foot all the same.
+    #[test]
+    fn a_base_beside_the_axis_has_no_facet_turned_over() {
+        for away in [0.5, 3.0, -7.0] {
+            let feet =
+                square().vertices.iter().map(|v| v.truncate() + DVec2::new(away, 0.25)).collect();
+            let face = FaceMesh::drafted(square(), feet);
+            let solid = Solid::from_face(&face, PartFeatures::NONE, Precision::Double).unwrap();
+            let down = solid.mesh().triangles.iter().map(|corners| {
+                let [a, b, c] = corners.map(|v| solid.mesh().vertices[v as usize]);
+                (a.z == 0.0 && b.z == 0.0 && c.z == 0.0).then(|| (b - a).cross(c - a).z)
+            });
+            let base: Vec<f64> = down.flatten().collect();
+            assert!(base.len() == 4 && base.iter().all(|&area| area < 0.0), "{away}: {base:?}");
+        }
     }
 
     #[test]

@@ -303,6 +303,27 @@ fn a_panel_s_view_through_a_map_is_itself() {
     assert_eq!(by_map.facts.map.unwrap().samples, [480, 480]);
 }
 
+/// Before a near wall too, and of a wall that its directions do not meet it is told where they are.
+#[test]
+fn a_panel_s_map_is_held_against_the_target() {
+    let text = PANELS.replace("VIEW", VIEW);
+    let own = design(&Profile::parse("p", "p", text.as_bytes()).unwrap()).unwrap();
+    let file = panel(&own, [0, 120], [120, 120], |_| false);
+    let at = |z: i32| {
+        let target = format!("target.plane = {{ point_mm = [0, 0, {z}], normal = [0, 0, 1] }}\n");
+        target + PANELS
+    };
+    let before =
+        |z: i32| design(&parsed(&at(z).replace("VIEW", "file = \"w.npy\""), &file).unwrap());
+    let by_view = Profile::parse("p", "p", at(400).replace("VIEW", VIEW).as_bytes()).unwrap();
+    let off = apart(&before(400).unwrap(), &design(&by_view).unwrap());
+    assert!(off < 1e-6, "{off:e}");
+    let behind = parsed(&at(-400).replace("VIEW", "file = \"w.npy\""), &file).unwrap_err();
+    let told =
+        "panel[1].file: w.npy: row 1, column 1: each direction must meet the target, [target]";
+    assert!(behind.contains(told), "{behind}");
+}
+
 /// Behind a lens that bends lines between panels both maps go on beyond their part of the frame: the part passes, and its picture is that of
 /// the views that they were made of.
 #[test]

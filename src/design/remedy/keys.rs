@@ -89,8 +89,8 @@ pub(super) fn degree_down(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 fn set_target(profile: &mut Profile, to: Target) {
-    if let Some(target) = profile.projection.as_mut().and_then(ProjectionSpec::target_mut) {
-        *target = to;
+    if let Some(projection) = &mut profile.projection {
+        projection.set_target(to);
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) struct FittedPanels {
     pub parts: Panels,
     /// The surface over each, its sides in planes through the pinhole.
     pub nets: Vec<BSplineSurface>,
-    /// The chart of the pinhole, on the axis.
+    /// The chart of the pinhole.
     pub chart: Chart,
 }
 
@@ -57,7 +57,7 @@ impl FittedPanels {
     /// A normal of the plane through the pinhole in which the coordinate `axis` of the chart is `at`, towards larger ones.
     fn normal(&self, axis: usize, at: f64) -> DVec3 {
         let along = if axis == 0 { DVec3::X } else { DVec3::Y };
-        (along + DVec3::Z * (at * self.chart.vergence)).normalize()
+        (along + DVec3::Z * (at * self.chart.vergence - self.chart.lean[axis])).normalize()
     }
 }
 
@@ -151,7 +151,7 @@ impl Walls<'_> {
         let FittedPanels { parts, chart, .. } = self.panels;
         let Rect { min, max } = parts.bounds();
         let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-        let feet = corners.map(|q| data.vertex((q * chart.view_scale(foot_mm)).extend(foot_mm)));
+        let feet = corners.map(|q| data.vertex(chart.ray_at(q, foot_mm).extend(foot_mm)));
         let posts = [0, 1, 2, 3].map(|k| data.slanted_edge(feet[k], chains[k][0].from()));
         let feet = [0, 1, 2, 3].map(|k| data.line_edge(feet[k], feet[(k + 1) % SIDES]).forward());
         for (k, chain) in chains.iter().enumerate() {

@@ -119,7 +119,7 @@ impl<'a> ParametricSurface<'a> {
                 [_, true] => max[axis],
                 _ => continue,
             };
-            p[axis] = side * self.mirror.chart.view_scale(p.z);
+            p[axis] = self.mirror.chart.ray_at(DVec2::splat(side), p.z)[axis];
         }
         p
     }

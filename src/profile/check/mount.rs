@@ -5,7 +5,7 @@ use super::super::reader::{ProfileReader, Section};
 use super::super::values::{NumbersFormat, number, numbers};
 use super::Entries;
 use super::layout::LayoutName;
-use crate::optics::Mount;
+use crate::optics::{Camera, Mount};
 
 /// Steepest angle between the camera's axis and the part's normal, degrees: beyond it the part is seen edge on.
 const STEEPEST_DEG: f64 = 80.0;
@@ -43,7 +43,33 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section, parts: &Entries) 
         shift_mm: shift.map_or([0.0; 2], |shift| shift.value),
     };
     suits(reader, parts, &section, &mount);
+    frame_sees_plane(reader, parts, &section, &mount);
     mount
+}
+
+/// The whole frame sees the part's plane where what it sees there is the mirror's height, or its edges the panels'.
+fn frame_sees_plane(reader: &mut ProfileReader, parts: &Entries, section: &Section, mount: &Mount) {
+    let is_rectangle =
+        parts.layout.as_ref().is_some_and(|layout| layout.name == LayoutName::Rectangle);
+    let is_panelled = parts.projection.as_ref().is_some_and(|found| found.panels().is_some());
+    let Some(camera) = parts.camera.as_ref().and_then(|camera| camera.camera) else { return };
+    let asks = is_panelled || is_rectangle && parts.part.height.is_none() && !parts.bare;
+    // (Any width: it is a telecentric frame's, whose rays all meet the plane.)
+    let sees_plane = |mount: &Mount| Camera::new(&camera, mount, 1.0).sees_plane();
+    if !asks || sees_plane(mount) {
+        return;
+    }
+    let folded = |fold_deg: f64| Mount { fold_deg: fold_deg.copysign(mount.fold_deg), ..*mount };
+    let whole = (0..=mount.fold_deg.abs() as u32).rev().map(|degrees| folded(f64::from(degrees)));
+    let most = whole.into_iter().find(sees_plane).unwrap_or_default();
+    let message = format!(
+        "{}.fold_deg must leave the part's plane in all of the frame, found {}, with which the frame reaches beyond the \
+         plane's horizon",
+        section.path, mount.fold_deg
+    );
+    let own_height = if is_panelled { "" } else { "; or say part.height_mm" };
+    let hint = format!("fold_deg = {} is the most for this camera{own_height}", most.fold_deg);
+    reader.complain(section.at, message, &hint);
 }
 
 /// Discs and folded panels lie about the camera's axis.

@@ -35,13 +35,20 @@ const VIEW_KEYS: [&str; 5] = ["law", "centre_deg", "hfov_deg", "roll_deg", "mirr
 
 impl PanelKeys {
     /// The panel, if every figure of it is there.
-    pub(super) fn finish(self) -> Option<PanelSpec> {
-        let far = Target::Infinity;
+    pub(super) fn finish(self, target: Target) -> Option<PanelSpec> {
         let view = match self.view {
-            PanelViewKeys::Azimuthal(keys) => PanelViewSpec::Azimuthal(keys.finish(far)?),
-            PanelViewKeys::Map(keys) => PanelViewSpec::Map(keys?.finish(far)),
+            PanelViewKeys::Azimuthal(keys) => PanelViewSpec::Azimuthal(keys.finish(target)?),
+            PanelViewKeys::Map(keys) => PanelViewSpec::Map(keys?.finish(target)),
         };
         Some(PanelSpec { columns: self.columns?.value, rows: self.rows?.value, view })
+    }
+
+    /// The directions that are given as data, with the path of the panel's table.
+    pub(super) fn map(&self) -> Option<(&str, &MapKeys)> {
+        match &self.view {
+            PanelViewKeys::Map(Some(keys)) => Some((&self.path, keys)),
+            PanelViewKeys::Map(None) | PanelViewKeys::Azimuthal(_) => None,
+        }
     }
 
     /// Columns and rows, if both are there.
@@ -132,7 +139,7 @@ fn edges(
     Some(Located { value: [first, last], at: found.at })
 }
 
-/// Panels fill the frame of a camera with a pinhole on the axis, and come in the place of another projection.
+/// Panels fill the frame of a camera with a pinhole, and come in the place of another projection.
 pub(super) fn suits(
     reader: &mut ProfileReader,
     root: &Section,
@@ -146,17 +153,9 @@ pub(super) fn suits(
         let hint = "panels are views of their own; remove [projection] or the panels";
         refuse("there must be a projection or panels, found both".to_owned(), hint);
     }
-    if parts.posed.is_some() {
-        let hint = "the panels are raised and lowered to meet, which leaves far directions as they are; remove [target]";
-        refuse("panels must show what is far away, found [target]".to_owned(), hint);
-    }
     if parts.shape.as_ref().is_some_and(|shape| shape.is_given) {
         let hint = "each panel is a mirror that is solved for; remove [mirror]";
         refuse("panels must be designed, found a given mirror".to_owned(), hint);
-    }
-    if !mount.is_on_axis() {
-        let hint = "the panels' edges are parallel to the part's sides; remove [mount]";
-        refuse("the camera must be on the axis with panels, found [mount]".to_owned(), hint);
     }
     let Some(camera) = &parts.camera else { return };
     if camera.name == CameraName::Orthographic {
@@ -171,7 +170,7 @@ pub(super) fn suits(
     let areas: Option<Vec<_>> = panels.iter().map(PanelKeys::area).collect();
     if let Some(areas) = areas.filter(|areas| areas.len() > 1) {
         tile(reader, panels, &areas, camera.pixels());
-        lines_on_mirror(reader, panels, parts, &camera);
+        lines_on_mirror(reader, panels, parts, (&camera, mount));
     }
 }
 
@@ -180,11 +179,15 @@ fn lines_on_mirror(
     reader: &mut ProfileReader,
     panels: &[PanelKeys],
     parts: &Entries,
-    camera: &CameraModel,
+    (camera, mount): (&CameraModel, &Mount),
 ) {
     let Some(width) = parts.part.width else { return };
     let pixels = camera.pixels();
-    let camera = Camera::new(camera, &Mount::default(), width.value);
+    let camera = Camera::new(camera, mount, width.value);
+    // (It is told of the mount that a frame reaches beyond the plane.)
+    if !camera.sees_plane() {
+        return;
+    }
     let size = camera.rectangle(width.value, parts.part.height.map(|height| height.value)).size();
     for panel in panels {
         let keys = [("columns", &panel.columns), ("rows", &panel.rows)];

@@ -69,7 +69,7 @@ pub(super) fn read<'t>(
     if root.has("panel") {
         let (section, panels) = panels::read(reader, root)?;
         let keys = ProjectionKeys::Panels(panels);
-        return Some(ProjectionEntry { section, keys, radius: None, plane: None, posed: None });
+        return Some(ProjectionEntry { section, keys, radius: None, plane: None, posed });
     }
     let read = reader
         .alternatives(root, "projection", hint)
@@ -315,7 +315,8 @@ impl ProjectionEntry<'_> {
             ProjectionKeys::Azimuthal(keys) => ProjectionSpec::Azimuthal(keys.finish(target)?),
             ProjectionKeys::Map(keys) => ProjectionSpec::Map(keys?.finish(target)),
             ProjectionKeys::Panels(panels) => {
-                let panels: Option<_> = panels.into_iter().map(PanelKeys::finish).collect();
+                let finish = |panel: PanelKeys| panel.finish(target.clone());
+                let panels: Option<_> = panels.into_iter().map(finish).collect();
                 ProjectionSpec::Panels(panels?)
             }
         })

@@ -5,6 +5,7 @@ use super::super::reader::ProfileReader;
 use super::super::values::Located;
 use super::layout::LayoutName;
 use super::map::{MapKeys, VectorKind};
+use super::panels::PanelKeys;
 use super::projection::{ProjectionEntry, ProjectionKeys};
 use super::{Entries, layout};
 use crate::geom::DVec3;
@@ -20,8 +21,16 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     if let Some(radius) = projection.radius {
         cylinder(reader, parts, projection, radius);
     }
-    if let ProjectionKeys::Map(Some(keys)) = &projection.keys {
-        map_meets(reader, projection, keys);
+    match &projection.keys {
+        ProjectionKeys::Map(Some(keys)) => {
+            map_meets(reader, projection, (&projection.section.path, keys));
+        }
+        ProjectionKeys::Panels(panels) => {
+            for map in panels.iter().filter_map(PanelKeys::map) {
+                map_meets(reader, projection, map);
+            }
+        }
+        _ => {}
     }
     let Some(plane) = projection.plane else { return };
     match &projection.keys {
@@ -190,14 +199,17 @@ fn parabolic_inner(parts: &Entries, outer_deg: f64) -> Option<f64> {
     Some(degrees(rims.law(RadialLawKind::Parabolic).polar(radius[0])))
 }
 
-/// Whether the directions meet the target, and the points are on it.
-fn map_meets(reader: &mut ProfileReader, projection: &ProjectionEntry, keys: &MapKeys) {
+/// Whether the directions of a map, which has the path of its table, meet the target, and the points are on it.
+fn map_meets(
+    reader: &mut ProfileReader,
+    projection: &ProjectionEntry,
+    (path, keys): (&str, &MapKeys),
+) {
     let target = projection.target();
     let viewpoint_mm =
         projection.posed.as_ref().map_or(DVec3::ZERO, |target| target.viewpoint_mm());
     if keys.kind == VectorKind::Point && target == Target::Infinity {
-        let path = projection.section.path_of("kind");
-        let message = format!("{path} = \"point\" must come with a target");
+        let message = format!("{path}.kind = \"point\" must come with a target");
         let hint = "points lie on target_plane_mm, target_radius_mm or a surface of [target]; what is far away is given \
                     by directions";
         reader.complain(keys.file.at, message, hint);
@@ -221,14 +233,14 @@ fn map_meets(reader: &mut ProfileReader, projection: &ProjectionEntry, keys: &Ma
     };
     let found = keys.map.vectors.iter().position(|v| !v.is_nan() && !(off(v) <= OFF));
     if let Some(k) = found {
-        complain_of_target(reader, projection, keys, k);
+        complain_of_target(reader, projection, (path, keys), k);
     }
 }
 
 fn complain_of_target(
     reader: &mut ProfileReader,
     projection: &ProjectionEntry,
-    keys: &MapKeys,
+    (path, keys): (&str, &MapKeys),
     k: usize,
 ) {
     let (row, column) = (k / keys.map.columns + 1, k % keys.map.columns + 1);
@@ -250,9 +262,8 @@ fn complain_of_target(
         ),
     };
     let v = keys.map.vectors[k];
-    let path = projection.section.path_of("file");
     let message = format!(
-        "{path}: {}: row {row}, column {column}: each {what}, {target}; found ({}, {}, {})",
+        "{path}.file: {}: row {row}, column {column}: each {what}, {target}; found ({}, {}, {})",
         keys.file.value, v.x, v.y, v.z
     );
     reader.complain(keys.file.at, message, hint);
