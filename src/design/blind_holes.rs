@@ -41,7 +41,7 @@ pub(super) fn below(
     let above = Above { mirror, heights_mm: [profile.part.base_mm, top_mm] };
     let rim = above.rim();
     for (k, spec, hole) in &specs {
-        let foot = footprint(mirror, &rim, 0.0);
+        let foot = footprint(mirror, &rim, border.map_or(0.0, |border| border.top_mm));
         let inset = foot.inset(hole.hole.at) - hole.hole.mouth_radius();
         match border {
             Some(border) if inset < HoleSpec::LEAST_WALL_MM => {

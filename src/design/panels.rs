@@ -167,7 +167,7 @@ fn part(camera: &Camera, area: Rect, panel: &PanelSpec) -> Rect {
     let [columns, rows] = camera.pixels;
     let line = |axis: usize, edge: u32, ends: [(u32, f64); 2]| {
         let end = ends.into_iter().find(|(end, _)| *end == edge);
-        end.map_or_else(|| camera.line_at(axis, edge), |(_, at)| at)
+        end.map_or_else(|| camera.line_at(axis, edge, area), |(_, at)| at)
     };
     let [left, right] =
         panel.columns.map(|edge| line(0, edge, [(0, area.min.x), (columns, area.max.x)]));

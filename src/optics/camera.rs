@@ -231,11 +231,12 @@ impl Camera {
 
     /// The line across the part, in chart coordinates, that stands for the edge between two columns (`axis` 0) or rows (1)
     /// of the frame, `edge` of them from its left or its top: its constant coordinate, mm. Where the lens bends the edge
-    /// on the part, the line is in the middle of it.
+    /// on the part, or a camera that leans sees it aslant, the line is in the middle of what of the edge lies beside `area`; infinite
+    /// where nothing does.
     #[must_use]
-    pub fn line_at(&self, axis: usize, edge: u32) -> f64 {
-        /// Places along the edge.
-        const PLACES: u32 = 64;
+    pub fn line_at(&self, axis: usize, edge: u32, area: Rect) -> f64 {
+        /// Places along the edge: of one whose part lies in an eighth of the frame, 32.
+        const PLACES: u32 = 256;
         let [width, height] = self.pixels.map(f64::from);
         let edge = f64::from(edge);
         let at = |k: u32| {
@@ -244,14 +245,17 @@ impl Camera {
                 0 => self.image_point(edge, share * height),
                 _ => self.image_point(share * width, edge),
             };
-            self.picture.chart_point(image)[axis]
+            self.picture.chart_point(image)
         };
         if self.picture.is_identity() {
-            return at(0);
+            return at(0)[axis];
         }
-        let ends = |[low, high]: [f64; 2], at: f64| [low.min(at), high.max(at)];
-        let [low, high] = (0..=PLACES).map(at).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
-        0.5 * (low + high)
+        let along = 1 - axis;
+        let is_beside = |q: &DVec2| (area.min[along]..=area.max[along]).contains(&q[along]);
+        let ends = |[low, high]: [f64; 2], q: DVec2| [low.min(q[axis]), high.max(q[axis])];
+        let places = (0..=PLACES).map(at).filter(is_beside);
+        let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+        if low <= high { 0.5 * (low + high) } else { f64::INFINITY }
     }
 
     /// The rectangle about the part's axis that is `width_mm` wide, and of that height or as high for its width as the frame

@@ -261,7 +261,6 @@ pub fn rim(face: &FaceMesh) -> Result<Rim, SolidError> {
     Ok(Rim { edges: outer.len(), steps, hole_edges: hole.map_or(0, |hole| hole.len()) })
 }
 
-/// The sides of a closed loop.
 /// A place from which the whole base is seen, mm: the axis, or the middle of the rectangle that a camera which leans leaves
 /// beside it.
 fn base_centre(mesh: &TriMesh, feet: &[u32]) -> DVec3 {
@@ -271,6 +270,7 @@ fn base_centre(mesh: &TriMesh, feet: &[u32]) -> DVec3 {
     if bounds.contains(DVec2::ZERO) { DVec3::ZERO } else { bounds.centre().extend(0.0) }
 }
 
+/// The sides of a closed loop.
 fn sides(vertices: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     let next = vertices.iter().cycle().skip(1);
     vertices.iter().zip(next).map(|(&v, &next)| [v, next])

@@ -1,7 +1,7 @@
 //! Ways out where the picture is off its projection: a law, facets or a degree that follow it more closely. Every design has been
 //! tried, and every mesh foreseen; what finer facets leave is in proportion to their limit.
 
-use crate::design::{Design, design};
+use crate::design::{Design, design_alone};
 use crate::num::hypot;
 use crate::num::rounding::two_digits_below;
 use crate::num::stats::Summary;
@@ -30,7 +30,7 @@ pub(super) fn closer_picture(
     // (Across the edges of a target's facets there is no limit for the mirror's.)
     let facets = facets.filter(|_| designed.view.as_ref().is_some_and(|view| view.has_bounds()));
     let finer = || finer_facets(profile, designed, facets?);
-    law.or_else(finer).or_else(|| higher_degree(profile, facets?))
+    law.or_else(finer).or_else(|| higher_degree(profile, designed, facets?))
 }
 
 /// The law that leaves a smaller error, if it is much smaller, with that error.
@@ -43,7 +43,7 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     let law = StripLawSpec::LeastCurl;
     other.projection = Some(ProjectionSpec::Strip(StripSpec { law, ..strip.clone() }));
     let now = designed.facts.pixel_error_px?.rms;
-    let found = design(&other).ok()?.facts.pixel_error_px?;
+    let found = design_alone(&other).ok()?.facts.pixel_error_px?;
     (found.rms < WORTH * now).then(|| {
         format!(
             "[projection.best] in the place of this law is off by {:.3} px rms, {:.3} px at most",
@@ -78,14 +78,21 @@ fn finer_facets(profile: &Profile, designed: &Design, facets: Summary) -> Option
 }
 
 /// A degree of the design with which the picture keeps the profile's limits.
-fn higher_degree(profile: &Profile, facets: Summary) -> Option<String> {
+fn higher_degree(profile: &Profile, designed: &Design, facets: Summary) -> Option<String> {
     let ShapeSpec::Designed(method) = profile.shape else { return None };
     let limits = profile.acceptance_limits();
+    let most_rms = SHARE * limits.pixel_error_rms_px.value;
+    // (Every mirror's error is larger than the least one, whatever its degree.)
+    let least = designed.facts.least_error.as_ref().map_or(0.0, |least| least.pixel_rms_px);
+    if hypot(least, facets.rms) > most_rms {
+        return None;
+    }
     let degrees = MORE.map(|more| method.degree + more).into_iter();
     degrees.filter(|&degree| degree <= MOST_DEGREE).find_map(|degree| {
         let shape = ShapeSpec::Designed(Method { degree, ..method });
-        let found = design(&Profile { shape, ..profile.clone() }).ok()?.facts.pixel_error_px?;
-        let keeps = hypot(found.rms, facets.rms) <= SHARE * limits.pixel_error_rms_px.value
+        let found =
+            design_alone(&Profile { shape, ..profile.clone() }).ok()?.facts.pixel_error_px?;
+        let keeps = hypot(found.rms, facets.rms) <= most_rms
             && found.max + facets.max <= SHARE * limits.pixel_error_max_px.value;
         keeps.then(|| {
             format!(

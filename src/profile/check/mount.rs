@@ -59,8 +59,9 @@ fn frame_sees_plane(reader: &mut ProfileReader, parts: &Entries, section: &Secti
     if !asks || sees_plane(mount) {
         return;
     }
-    let folded = |fold_deg: f64| Mount { fold_deg: fold_deg.copysign(mount.fold_deg), ..*mount };
-    let whole = (0..=mount.fold_deg.abs() as u32).rev().map(|degrees| folded(f64::from(degrees)));
+    let folded = |fold_deg: f64| Mount { fold_deg, ..*mount };
+    let sense = mount.fold_deg.signum();
+    let whole = (1..=mount.fold_deg.abs() as u32).rev().map(|by| folded(sense * f64::from(by)));
     let most = whole.into_iter().find(sees_plane).unwrap_or_default();
     let message = format!(
         "{}.fold_deg must leave the part's plane in all of the frame, found {}, with which the frame reaches beyond the \

@@ -188,12 +188,13 @@ fn lines_on_mirror(
     if !camera.sees_plane() {
         return;
     }
-    let size = camera.rectangle(width.value, parts.part.height.map(|height| height.value)).size();
+    let area = camera.rectangle(width.value, parts.part.height.map(|height| height.value));
+    let size = area.size();
     for panel in panels {
         let keys = [("columns", &panel.columns), ("rows", &panel.rows)];
         for (k, (key, edges)) in keys.into_iter().enumerate() {
             let Some(edges) = edges else { continue };
-            let off = |edge: u32| camera.line_at(k, edge).abs();
+            let off = |edge: u32| camera.line_at(k, edge, area).abs();
             let most = 0.5 * size[k];
             let mut inner = edges.value.into_iter().filter(|edge| (1..pixels[k]).contains(edge));
             if let Some(edge) = inner.find(|&edge| !(off(edge) < most)) {

@@ -191,14 +191,16 @@ fn lines_run_together_under_a_camera_that_leans_along_them() {
         assert!(departure(towards) < 1e-9, "{towards}");
     }
     let (focal, lean) = (160.0 / tan(radians(15.0)), radians(15.0));
-    // The pupil is 150 mm along its axis from the part's middle; columns lead away from it.
+    // The pupil is 150 mm along its axis from the part's middle; the part is 80.4 mm wide along the lean.
     let on_part = |x: f64, y: f64| {
         let ray =
             DVec3::new(x * cos(lean) - focal * sin(lean), y, -x * sin(lean) - focal * cos(lean));
-        150.0 * cos(lean) / -ray.z * ray.y
+        DVec3::new(sin(lean), 0.0, cos(lean)) * 150.0 + ray * (150.0 * cos(lean) / -ray.z)
     };
     let row = 40.0;
-    let at: Vec<f64> = (0..=64).map(|k| on_part(5.0 * f64::from(k) - 160.0, row)).collect();
+    let all = (0..=640).map(|k| on_part(0.5 * f64::from(k) - 160.0, row));
+    let at: Vec<f64> = all.filter(|at| at.x.abs() <= 40.2).map(|at| at.y).collect();
+    assert!(at.len() < 640, "the frame is wider than the part on one side");
     let [low, high] = [f64::min, f64::max].map(|f| at.iter().copied().reduce(f).unwrap());
     let rows = at.iter().map(|at| row * 0.5 * (low + high) / at - row);
     let exact = rows.map(f64::abs).fold(0.0, f64::max);
