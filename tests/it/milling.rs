@@ -274,8 +274,14 @@ fn flat_and_bull_nosed_cutters_rough() {
         for corner in ["0", "0.5"] {
             let files =
                 roughed(text_of, &format!("rough_radius_mm = 2\nrough_corner_mm = {corner}"));
-            let [after, before] = [&files, &ball].map(|files| text(files, "finishing.ngc"));
-            assert!(after == before, "{corner}");
+            // (Comments name the profile, which is another.)
+            let moves = |files: &[OutputFile]| -> Vec<String> {
+                let text = text(files, "finishing.ngc");
+                let lines = text.lines().filter(|line| !line.starts_with('('));
+                lines.map(str::to_owned).collect()
+            };
+            let [after, before] = [&files, &ball].map(|files| moves(files));
+            assert!(after == before && after.len() > 100, "{corner}");
         }
     }
 }

@@ -224,11 +224,13 @@ fn a_lens_bends_the_lines_between_panels_and_no_pixel_is_lost_to_it() {
         }
         wanted * low
     };
+    // The part, from the pupil: of an edge what is beside it counts.
+    let half = designed(&ideal.replace(pinhole, &lens)).mirror.outline.bounds().max / 150.0;
     let departure = |axis: usize, [edge, length]: [f64; 2]| {
         let pixel =
             |along: f64| if axis == 0 { DVec2::new(edge, along) } else { DVec2::new(along, edge) };
-        let on_part: Vec<DVec2> =
-            (0..=500).map(|k| sight(pixel(length * f64::from(k) / 500.0))).collect();
+        let seen = (0..=500).map(|k| sight(pixel(length * f64::from(k) / 500.0)));
+        let on_part: Vec<DVec2> = seen.filter(|p| p[1 - axis].abs() <= half[1 - axis]).collect();
         let [low, high] =
             [f64::min, f64::max].map(|f| on_part.iter().map(|p| p[axis]).reduce(f).unwrap());
         let line = on_part.iter().map(|&p| {
