@@ -25,6 +25,7 @@ mod rest_heights;
 mod rest_lines;
 mod spiral;
 mod stock_block;
+mod stock_left;
 mod surface_lines;
 mod tip_line;
 mod travel;

@@ -9,6 +9,7 @@ use super::rest_heights::RestHeights;
 use super::rest_lines::rest_lines;
 use super::spiral::TipSpiral;
 use super::stock_block::StockBlock;
+use super::stock_left::StockLeft;
 use super::surface_lines::SurfaceCut;
 use crate::geom::Cutter;
 use crate::machining::{
@@ -121,12 +122,13 @@ impl MillingTask<'_> {
     pub fn operations(&self) -> Result<Vec<Operation>, MillingError> {
         self.check_floor()?;
         self.check_hollow()?;
-        let operations = OperationKind::ALL.map(|kind| match kind {
-            OperationKind::Roughing => self.roughing(),
-            OperationKind::SemiFinishing => self.semi_finishing(),
-            OperationKind::Finishing => self.finishing(),
-        });
-        let operations: Vec<Operation> = operations.into_iter().collect::<Result<_, _>>()?;
+        let roughing = self.roughing()?;
+        let mut left = StockLeft::new(self.stock, roughing.stepover_mm);
+        left.cut(&roughing.motions, roughing.cutter, roughing.stepover_mm);
+        let semi_finishing = self.semi_finishing(&left)?;
+        left.cut(&semi_finishing.motions, semi_finishing.cutter, semi_finishing.stepover_mm);
+        let finishing = self.finishing(&left)?;
+        let operations = vec![roughing, semi_finishing, finishing];
         for operation in &operations {
             let count = operation.motions.len() as f64;
             if count > MOST {
@@ -265,7 +267,7 @@ impl MillingTask<'_> {
         })
     }
 
-    fn semi_finishing(&self) -> Result<Operation, MillingError> {
+    fn semi_finishing(&self, left: &StockLeft) -> Result<Operation, MillingError> {
         let allowance_mm = self.spec.roughing.allowance_mm;
         let ball_mm = self.raster.ball_mm;
         // (Scallops over the mirror are those over the allowance but for its thickness over the mirror's radius.)
@@ -273,38 +275,32 @@ impl MillingTask<'_> {
         let stepover_mm = asked.unwrap_or(0.2 * ball_mm);
         let limits = [SEMI_CHORD * allowance_mm, f64::INFINITY];
         let lines = self.surface_lines(allowance_mm, stepover_mm, limits)?;
-        let left_mm = ROUGH_CUSP * self.rough_cutter().radius_mm;
         let feed = self.spec.speeds.feed_mm_min;
         Ok(self.along_surface(
             (OperationKind::SemiFinishing, feed),
-            [stepover_mm, allowance_mm, left_mm],
-            &lines,
+            [stepover_mm, allowance_mm],
+            (&lines, left),
         ))
     }
 
-    fn finishing(&self) -> Result<Operation, MillingError> {
+    fn finishing(&self, left: &StockLeft) -> Result<Operation, MillingError> {
         let stepover_mm = self.raster.stepover_mm;
         let chord_mm = 1e-3 * self.spec.finishing.chord_um;
         let longest_mm = self.analysis.along_mm(&self.raster, FINE_SLOPE);
         let lines = self.surface_lines(0.0, stepover_mm, [chord_mm, longest_mm])?;
         let feed = self.spec.speeds.feed_mm_min;
-        let left_mm = self.spec.roughing.allowance_mm;
-        Ok(self.along_surface(
-            (OperationKind::Finishing, feed),
-            [stepover_mm, 0.0, left_mm],
-            &lines,
-        ))
+        Ok(self.along_surface((OperationKind::Finishing, feed), [stepover_mm, 0.0], (&lines, left)))
     }
 
-    /// An operation along lines, of what was left over them.
+    /// An operation along lines, of what was left.
     fn along_surface(
         &self,
         (kind, feed_mm_min): (OperationKind, Option<f64>),
-        [stepover_mm, allowance_mm, left_mm]: [f64; 3],
-        lines: &TipLines,
+        [stepover_mm, allowance_mm]: [f64; 2],
+        (lines, stock): (&TipLines, &StockLeft),
     ) -> Operation {
         let ball_mm = self.raster.ball_mm;
-        let cut = SurfaceCut { ball_mm, stepover_mm, left_mm, safe_mm: self.safe_mm() };
+        let cut = SurfaceCut { ball_mm, stepover_mm, stock, safe_mm: self.safe_mm() };
         Operation {
             kind,
             cutter: Cutter::ball(ball_mm),

@@ -2,8 +2,9 @@
 
 use super::bridge::TipLines;
 use super::motions::{MotionList, TipMove};
+use super::stock_left::StockLeft;
 use super::tip_line::TipLine;
-use crate::geom::DVec3;
+use crate::geom::{Cutter, DVec3};
 
 /// What is to be clear of a tip that comes down fast to a cut's beginning, mm.
 const CLEARANCE_MM: f64 = 0.5;
@@ -16,18 +17,18 @@ const HOP: f64 = 2.0;
 const HOP_HEIGHT: f64 = 0.5;
 
 /// How lines are taken one after the other.
-pub(super) struct SurfaceCut {
+pub(super) struct SurfaceCut<'a> {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
     /// Distance of the lines, mm.
     pub stepover_mm: f64,
-    /// What was left on the surface before, mm.
-    pub left_mm: f64,
+    /// What the operations before have left.
+    pub stock: &'a StockLeft,
     /// Height of rapid moves, mm.
     pub safe_mm: f64,
 }
 
-impl SurfaceCut {
+impl SurfaceCut<'_> {
     /// The moves along all lines, there and back in turn.
     pub(super) fn moves(&self, lines: &TipLines) -> Vec<TipMove> {
         let mut list = MotionList::new(self.safe_mm);
@@ -64,12 +65,11 @@ impl SurfaceCut {
         list.cut(line.places.iter().copied());
     }
 
-    /// The upper end of a ramp outside the mirror to a line's beginning, a radius long, and its height, above what is left there.
+    /// The upper end of a ramp to a line's beginning, which lies outside the mirror, a radius long, and its height, above what is left there.
     fn lead_in(&self, line: &TipLine) -> (DVec3, f64) {
         let [begin, _] = line.ends();
-        let along = line.directions[0];
-        let rises = (-along.z).max(0.0) * self.ball_mm;
-        let back = begin - along.with_z(0.0).normalize_or_zero() * self.ball_mm;
-        (back, begin.z + rises + self.left_mm + CLEARANCE_MM)
+        let back = begin - line.directions[0].with_z(0.0).normalize_or_zero() * self.ball_mm;
+        let left_mm = self.stock.clear_mm(back.truncate(), Cutter::ball(self.ball_mm));
+        (back, left_mm.max(begin.z) + CLEARANCE_MM)
     }
 }

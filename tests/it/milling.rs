@@ -274,10 +274,10 @@ fn flat_and_bull_nosed_cutters_rough() {
         for corner in ["0", "0.5"] {
             let files =
                 roughed(text_of, &format!("rough_radius_mm = 2\nrough_corner_mm = {corner}"));
-            // (Comments name the profile, which is another.)
+            // (Comments name the profile, which is another, and how far the tip comes down at first, in Z alone, is told by what is left there.)
             let moves = |files: &[OutputFile]| -> Vec<String> {
                 let text = text(files, "finishing.ngc");
-                let lines = text.lines().filter(|line| !line.starts_with('('));
+                let lines = text.lines().filter(|line| !line.starts_with(['(', 'Z']));
                 lines.map(str::to_owned).collect()
             };
             let [after, before] = [&files, &ball].map(|files| moves(files));
