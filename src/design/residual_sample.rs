@@ -114,6 +114,32 @@ pub(super) fn is_linear<const N: usize>(
     gap <= 1e-13 * went
 }
 
+/// Minus the gradient of half the integral of |r|^2 over the coefficients: A^T b of the rows of [`linearised`].
+pub(super) fn descent<const N: usize>(basis: &Basis, samples: &[ResidualSample<N>]) -> Vec<f64> {
+    let part = |samples: &[(usize, &ResidualSample<N>)]| {
+        let mut sum = vec![0.0; basis.unknowns()];
+        for &(place, sample) in samples {
+            let weight = basis.weight(place);
+            let mut by = [0.0; 3];
+            for (of, r) in sample.by.iter().zip(sample.r) {
+                by.iter_mut().zip(of).for_each(|(by, of)| *by -= weight * r * of);
+            }
+            let [f, x, y] = by;
+            for (sum, [b, b_x, b_y]) in sum.iter_mut().zip(basis.row(place)) {
+                *sum += f * b + x * b_x + y * b_y;
+            }
+        }
+        sum
+    };
+    let numbered: Vec<_> = samples.iter().enumerate().collect();
+    let mut sums = parallel::map_chunks(&numbered, BLOCK, part).into_iter();
+    let first = sums.next().unwrap_or_else(|| vec![0.0; basis.unknowns()]);
+    sums.fold(first, |mut all, part| {
+        all.iter_mut().zip(part).for_each(|(all, part)| *all += part);
+        all
+    })
+}
+
 /// The triangle of the linearised problem of the samples, each of (place, weight, residual).
 pub(super) fn linearised<const N: usize>(
     basis: &Basis,

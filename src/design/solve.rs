@@ -1,5 +1,7 @@
-//! Least squares of any pointwise residual by Gauss-Newton: each step is a QR factorisation, sped up by
-//! Anderson's acceleration.
+//! Least squares of any pointwise residual by Gauss-Newton, sped up by Anderson's acceleration.
+//!
+//! A QR factorisation takes as long as tens of residuals and gradients. So the triangle of one step serves the next ones, with the gradient as
+//! it is at each of them, as long as steps become smaller by it.
 //!
 //! The vector-field method, the fixed-surface method and the method of distributions (paper, section 3)
 //! differ in nothing but the residual.
@@ -7,11 +9,11 @@
 use super::anderson::AndersonAcceleration;
 use super::basis::Basis;
 use super::residual_sample::{
-    PointwiseResidual, ResidualSample, is_linear, linearised, magnitude_of_terms,
+    PointwiseResidual, ResidualSample, descent, is_linear, linearised, magnitude_of_terms,
 };
 use crate::num::condition::{column_norms, condition_number};
 use crate::num::least_squares::RankDeficient;
-use crate::num::streaming_qr::StreamingQr;
+use crate::num::streaming_qr::{StreamingQr, dot};
 use thiserror::Error;
 
 /// Largest factor by which the integral may grow in an accepted step: near the minimum rounding makes it
@@ -19,6 +21,14 @@ use thiserror::Error;
 const LARGEST_GROWTH: f64 = 1.0 + 1e-9;
 /// Share of a step below which the line search gives up.
 const LEAST_SHARE: f64 = 1e-9;
+/// Steps by one triangle are to become smaller by `REUSE_GAIN` over so many of them: some of Anderson's steps are larger than the one before.
+const REUSE_STEPS: usize = 3;
+const REUSE_GAIN: f64 = 0.25;
+/// Largest condition number of the first step's matrix with which triangles serve other steps: solving with R^T R squares it, and 1e-4 of a
+/// step is then rounding.
+const REUSE_CONDITION: f64 = 1e6;
+/// Least unknowns for that, usually: a triangle of fewer takes no longer than a residual and its gradient.
+const REUSE_UNKNOWNS: usize = 100;
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy)]
@@ -29,11 +39,13 @@ pub(super) struct SolverOptions<'a> {
     pub tolerance: f64,
     /// Largest number of steps.
     pub max_steps: usize,
+    /// Least unknowns with which the triangle of one step serves others.
+    pub reuse_unknowns: usize,
 }
 
 impl Default for SolverOptions<'_> {
     fn default() -> Self {
-        Self { start: None, tolerance: 1e-12, max_steps: 200 }
+        Self { start: None, tolerance: 1e-12, max_steps: 200, reuse_unknowns: REUSE_UNKNOWNS }
     }
 }
 
@@ -98,6 +110,9 @@ pub(super) fn solve<const N: usize>(
         tolerance_mm: options.tolerance * basis.size_mm(),
         now: Iterate::new(basis, residual, start),
         acceleration: AndersonAcceleration::new(Vec::new()),
+        may_reuse: basis.unknowns() >= options.reuse_unknowns,
+        triangle: None,
+        sizes_mm: Vec::new(),
         condition: 0.0,
         last_step_mm: f64::NAN,
     };
@@ -118,6 +133,12 @@ struct GaussNewton<'a, R, const N: usize> {
     tolerance_mm: f64,
     now: Iterate<N>,
     acceleration: AndersonAcceleration,
+    /// Whether the triangle of one step serves others.
+    may_reuse: bool,
+    /// Triangle of the last factorisation, if the next step may be by it.
+    triangle: Option<StreamingQr>,
+    /// Largest changes of F in the steps since that factorisation, mm.
+    sizes_mm: Vec<f64>,
     /// Condition number of the first step.
     condition: f64,
     /// Largest change of F in the last step, mm.
@@ -127,37 +148,62 @@ struct GaussNewton<'a, R, const N: usize> {
 impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
     /// Step number `steps`, counted from 1; the fit where the search ends.
     fn advance(&mut self, steps: usize) -> Result<Option<LeastSquaresFit>, SolveError> {
-        let (qr, step) = self.gauss_newton_step(steps)?;
+        let GaussNewtonStep { step, gain, is_own } = self.gauss_newton_step(steps)?;
         let change = self.basis.locals(&step);
         let size_mm = change.iter().fold(0.0, |most: f64, d| most.max(d[0].abs()));
         self.last_step_mm = size_mm;
+        self.sizes_mm.push(size_mm);
+        // A step by another triangle leaves as much as it goes: the last one is by its own.
+        if size_mm <= self.tolerance_mm || !self.becomes_smaller() {
+            self.triangle = None;
+        }
         if self.accelerate(&step) {
             return Ok(None);
         }
         let whole = self.along(&step, 1.0);
         let ends =
             size_mm <= self.tolerance_mm || is_linear(&self.now.samples, &change, &whole.samples);
-        if whole.integral.is_finite() && ends {
+        if whole.integral.is_finite() && ends && is_own {
             return Ok(Some(self.fit(&whole, steps)));
         }
         // Near targets magnify rounding errors: at the answer, steps wander instead of becoming
         // small, and what they would gain is less than the integral's own noise.
-        let gain = self.now.integral - qr.residual_squared();
-        if !self.accepts(&whole) && gain <= self.now.noise(self.basis) {
+        if is_own && !self.accepts(&whole) && gain <= self.now.noise(self.basis) {
             return Ok(Some(self.fit(&self.now, steps)));
+        }
+        if !is_own && !self.accepts(&whole) {
+            // Only a step by its own triangle is worth shortening.
+            self.triangle = None;
+            return Ok(None);
         }
         self.line_search(&step, whole, steps)?;
         Ok(None)
     }
 
-    /// The triangle of the linearised problem, and its solution.
-    fn gauss_newton_step(&mut self, steps: usize) -> Result<(StreamingQr, Vec<f64>), SolveError> {
+    /// Whether the steps by one triangle become smaller.
+    fn becomes_smaller(&self) -> bool {
+        let [first, .., last] = self.sizes_mm[..] else { return true };
+        let before = self.sizes_mm.iter().rev().nth(REUSE_STEPS);
+        last <= first && before.is_none_or(|before| last <= REUSE_GAIN * before)
+    }
+
+    /// The step from where the search is.
+    fn gauss_newton_step(&mut self, steps: usize) -> Result<GaussNewtonStep, SolveError> {
         let undefined = || SolveError::Undefined {
             steps: steps - 1,
             coefficients: self.now.coefficients.clone(),
         };
         if !self.now.integral.is_finite() {
             return Err(undefined());
+        }
+        if let Some(triangle) = &self.triangle {
+            let descent = descent(self.basis, &self.now.samples);
+            let mut step = descent.clone();
+            triangle.forward(&mut step);
+            triangle.back(&mut step);
+            if step.iter().all(|x| x.is_finite()) {
+                return Ok(GaussNewtonStep { gain: dot(&step, &descent), step, is_own: false });
+            }
         }
         let samples = self.now.samples.iter().enumerate();
         let weighted: Vec<_> = samples.map(|(k, s)| (k, self.basis.weight(k), *s)).collect();
@@ -171,7 +217,14 @@ impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
             self.condition = condition_number(&qr);
             self.acceleration = AndersonAcceleration::new(column_norms(&qr));
         }
-        Ok((qr, step))
+        let gain = self.now.integral - qr.residual_squared();
+        if self.may_reuse && self.condition < REUSE_CONDITION {
+            // Steps so far were by another triangle.
+            self.acceleration.reset();
+            self.sizes_mm.clear();
+            self.triangle = Some(qr);
+        }
+        Ok(GaussNewtonStep { step, gain, is_own: true })
     }
 
     /// Goes where the acceleration proposes, if the integral is no larger there; whether it went.
@@ -233,6 +286,16 @@ impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
             last_step_mm: self.last_step_mm,
         }
     }
+}
+
+/// A step of Gauss and Newton, or nearly one.
+struct GaussNewtonStep {
+    /// Change of the coefficients, mm.
+    step: Vec<f64>,
+    /// What the integral would fall by, were the problem linear.
+    gain: f64,
+    /// Whether it is by the triangle of where it begins.
+    is_own: bool,
 }
 
 /// Mirror at one step of the search, with its residuals.
@@ -348,6 +411,21 @@ mod tests {
         assert!(fit.steps > 1 && fit.steps < 12 && fit.integral < 1e-28, "{fit:?}");
         for (k, [f, ..]) in basis.locals(&fit.coefficients).into_iter().enumerate() {
             assert!((f - (basis.at(k).x - 2.0)).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn triangles_that_serve_other_steps_lead_to_the_same_answer() {
+        let basis = Basis::radial([1.0, 2.0], 4, NodeSet::Quadrature);
+        let [own, reused] = [usize::MAX, 0].map(|reuse_unknowns| {
+            let options = SolverOptions { reuse_unknowns, ..SolverOptions::default() };
+            solve(&basis, &Riccati, &options).unwrap()
+        });
+        // (Steps without a triangle of their own are more.)
+        assert!(reused.steps > own.steps && reused.steps < 20, "{own:?} {reused:?}");
+        assert!(reused.integral < 1e-28, "{reused:?}");
+        for (a, b) in own.coefficients.iter().zip(&reused.coefficients) {
+            assert!((a - b).abs() < 1e-13, "{own:?} {reused:?}");
         }
     }
 

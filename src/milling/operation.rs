@@ -122,21 +122,13 @@ impl MillingTask<'_> {
     pub fn operations(&self) -> Result<Vec<Operation>, MillingError> {
         self.check_floor()?;
         self.check_hollow()?;
-        let roughing = self.roughing()?;
+        let roughing = within_most(self.roughing()?)?;
         let mut left = StockLeft::new(self.stock, roughing.stepover_mm);
         left.cut(&roughing.motions, roughing.cutter, roughing.stepover_mm);
-        let semi_finishing = self.semi_finishing(&left)?;
+        let semi_finishing = within_most(self.semi_finishing(&left)?)?;
         left.cut(&semi_finishing.motions, semi_finishing.cutter, semi_finishing.stepover_mm);
-        let finishing = self.finishing(&left)?;
-        let operations = vec![roughing, semi_finishing, finishing];
-        for operation in &operations {
-            let count = operation.motions.len() as f64;
-            if count > MOST {
-                let (what, key) = (operation.kind.name(), "stepover_mm");
-                return Err(MillingError::Many { what, count, most: MOST, key });
-            }
-        }
-        Ok(operations)
+        let finishing = within_most(self.finishing(&left)?)?;
+        Ok(vec![roughing, semi_finishing, finishing])
     }
 
     /// That no ball that touches the rim is below what is around it.
@@ -312,6 +304,16 @@ impl MillingTask<'_> {
             motions: cut.moves(lines),
         }
     }
+}
+
+/// The operation, if its moves can be kept.
+fn within_most(operation: Operation) -> Result<Operation, MillingError> {
+    let count = operation.motions.len() as f64;
+    if count > MOST {
+        let (what, key) = (operation.kind.name(), "stepover_mm");
+        return Err(MillingError::Many { what, count, most: MOST, key });
+    }
+    Ok(operation)
 }
 
 /// Lines of which there are more than can be kept.

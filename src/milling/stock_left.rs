@@ -4,9 +4,12 @@ use super::motions::{Pace, TipMove};
 use super::stock_block::StockBlock;
 use crate::geom::{Cutter, DVec2, DVec3};
 
-/// Cells over the stepover of the lines that rough: what stands between two of them is told too high by a quarter of itself.
+/// Cells over the stepover of the lines that rough: balls leave 0.08 of the stepover's square over their radius between two lines, and less than
+/// twice as much is told.
 const CELL: f64 = 0.2;
-/// A tip tells of what is cut so far beside it, in stepovers of its lines: to the next line and some more.
+/// Cells along the longer side of a block, at most: they take 8 MB.
+const MOST_CELLS: f64 = 1000.0;
+/// A tip tells of what is cut so far beside it, in stepovers of its lines: half way to the next line and some more.
 const BESIDE: f64 = 0.6;
 
 /// Heights over cells of a block's plan, below which all that moves have left of the cells lies.
@@ -22,8 +25,9 @@ pub(super) struct StockLeft {
 impl StockLeft {
     /// A whole block, of which lines at the distance `stepover_mm` will be cut first.
     pub(super) fn new(block: StockBlock, stepover_mm: f64) -> Self {
-        let cell_mm = CELL * stepover_mm;
-        let size = (block.max - block.min).to_array().map(|side| (side / cell_mm).ceil() as usize);
+        let sides = block.max - block.min;
+        let cell_mm = (CELL * stepover_mm).max(sides.max_element() / MOST_CELLS);
+        let size = sides.to_array().map(|side| (side / cell_mm).ceil() as usize);
         Self { block, cell_mm, size, heights_mm: vec![block.top_mm; size[0] * size[1]] }
     }
 
@@ -118,10 +122,28 @@ mod tests {
             }
             assert_eq!(left.clear_mm(DVec2::new(17.0, 5.0), Cutter::ball(1.5)), 8.0);
             assert_eq!(left.clear_mm(DVec2::new(5.0, -1.7), Cutter::ball(1.5)), f64::NEG_INFINITY);
-            // A wall beside the ball holds it up by its own round.
-            let beside = left.clear_mm(DVec2::new(13.2, 5.0), Cutter::ball(1.5));
-            assert!(beside > 7.0 && beside <= 8.0, "{beside}");
+            // At the end of the lines a wall is told so far beside the axis as a tip tells of cuts, up to a cell's diagonal farther off, and the
+            // ball comes down by its own round there.
+            let down = |off: f64| 8.0 - Cutter::ball(1.5).height(off).unwrap();
+            let beside = left.clear_mm(DVec2::new(12.0, 5.0), Cutter::ball(1.5));
+            assert!(down(BESIDE + 2.0 * cell) <= beside && beside <= down(BESIDE), "{beside}");
         }
+    }
+
+    /// A line of moves that are much shorter than a cell leaves what one move leaves.
+    #[test]
+    fn short_moves_cut_as_long_ones_do() {
+        let cutter = Cutter::ball(2.0);
+        let [from, to] = row(5.0, 3.0);
+        let short =
+            (1..=1700).map(|k| TipMove { to: from.to.lerp(to.to, f64::from(k) / 1700.0), ..to });
+        let short: Vec<TipMove> = std::iter::once(from).chain(short).collect();
+        let told = [&short[..], &[from, to]].map(|moves| {
+            let mut left = StockLeft::new(block(), 1.0);
+            left.cut(moves, cutter, 1.0);
+            left.clear_mm(DVec2::new(6.3, 5.0), Cutter { radius_mm: 0.4, corner_mm: 0.0 })
+        });
+        assert!(told[1] < 3.3 && (told[0] - told[1]).abs() < 0.03, "{told:?}");
     }
 
     /// Against what each of many random moves leaves of 400 places, worked out place by place.

@@ -49,20 +49,27 @@ impl SurfaceCut<'_> {
     fn follow(&self, list: &mut MotionList, line: &TipLine) {
         let [begin, _] = line.ends();
         let (above, clear) = self.lead_in(line);
-        match list.place() {
-            Some(at) if (begin - at).truncate().length() <= DIRECT * self.stepover_mm => {}
-            Some(at) if (above - at).truncate().length() <= HOP * self.ball_mm => {
-                let top = at.z.max(clear) + HOP_HEIGHT * (above - at).truncate().length();
-                list.cut([at.with_z(top), above.with_z(top)]);
-                list.entry(above.with_z(clear));
-                list.entry(begin);
+        let place = list.place();
+        let is_next = |at: DVec3| (begin - at).truncate().length() <= DIRECT * self.stepover_mm;
+        if !place.is_some_and(is_next) {
+            match place.and_then(|at| self.hop(at, above, clear)) {
+                Some(hop) => {
+                    list.cut(hop);
+                    list.entry(above.with_z(clear));
+                }
+                None => list.over(above, clear),
             }
-            _ => {
-                list.over(above, clear);
-                list.entry(begin);
-            }
+            list.entry(begin);
         }
         list.cut(line.places.iter().copied());
+    }
+
+    /// The upper corners of a hop from `at` to where the tip comes down to `clear`; none where a retract is shorter or no higher.
+    fn hop(&self, at: DVec3, above: DVec3, clear: f64) -> Option<[DVec3; 2]> {
+        let way = (above - at).truncate().length();
+        let top = at.z.max(clear) + HOP_HEIGHT * way;
+        let is_short = way <= HOP * self.ball_mm && top < self.safe_mm;
+        is_short.then(|| [at.with_z(top), above.with_z(top)])
     }
 
     /// The upper end of a ramp to a line's beginning, which lies outside the mirror, a radius long, and its height, above what is left there.

@@ -128,9 +128,7 @@ impl<'a> ErrorBounder<'a> {
         let frame = self.table.frame(corners);
         let triangle = &frame.triangle;
         let region = self.table.region(&self.problem, &frame, triangle.diameter, 0.0);
-        let [ab, bc, ca] = triangle.edge_curvatures(t.map(|v| frame.turn.rotate(v.gradient)));
-        let quadratic = largest_deviation(ab, bc, ca);
-        let rest = triangle.cubic_remainder(region.h_third);
+        let [quadratic, rest] = height_deviation(t, &frame, &region);
         let chord = (quadratic + rest) * region.ray_per_h;
         let attained = (quadratic - rest) * self.least_ray_per_h(t, quadratic + rest);
 
@@ -146,7 +144,7 @@ impl<'a> ErrorBounder<'a> {
             (largest, rounding_mm, facet_mm)
         } else {
             let [largest, rounding_mm] = self.contents_at_corners(view, t, &facets);
-            let known = [largest, chord_mm];
+            let known = CornerErrors { largest, chord_mm, deviation_mm: quadratic + rest };
             (largest, rounding_mm, self.facet_error(t, &frame, &facets, &region, known))
         };
         (ErrorBound { chord_mm, facet_mm, rounding_mm }, [attained, largest])
@@ -200,15 +198,16 @@ impl<'a> ErrorBounder<'a> {
         1.0 / (most * (most + k * off))
     }
 
-    /// Bound of a facet error (mm) that varies over the facet and is at most `at_corners` at its corners.
+    /// Bound of a facet error (mm) that varies over the facet and is known at its corners.
     fn facet_error(
         &self,
         t: [&SurfaceVertex; 3],
         frame: &FacetFrame,
         facets: &FacetPair,
         region: &RegionBounds,
-        [at_corners, chord]: [f64; 2],
+        known: CornerErrors,
     ) -> f64 {
+        let CornerErrors { largest: at_corners, chord_mm: chord, deviation_mm } = known;
         let shift = facets.corner_shift(t, self.chart());
         let aside = self.parallax(region, chord) + shift;
         // The bounds must hold there, too.
@@ -217,10 +216,11 @@ impl<'a> ErrorBounder<'a> {
         let covered = self.table.margin().max(2.0 * aside);
         let region = wider.as_ref().unwrap_or(region);
         let aside = self.parallax(region, chord) + shift;
-        let is_covered = facets
-            .gradients(t, self.chart())
-            .iter()
-            .all(|&gradient| frame.is_covered(region, gradient));
+        let is_covered = deviation_mm <= self.problem.height_reach()
+            && facets
+                .gradients(t, self.chart())
+                .iter()
+                .all(|&gradient| frame.is_covered(region, gradient));
         let quick = if is_covered && aside <= covered {
             at_corners
                 + frame.triangle.interpolation_error(region.content_second)
@@ -232,15 +232,20 @@ impl<'a> ErrorBounder<'a> {
             return quick;
         }
         let (q, h) = (t.map(|v| v.q), t.map(|v| v.h));
-        if self.table.is_axial() && aside <= covered {
+        let by_table = if aside <= covered {
             let rest = self.remainder_by_table(q, h, facets, (region, aside));
-            if rest < f64::INFINITY {
-                return quick.min(at_corners + rest + product_or_zero(region.content_first, aside));
-            }
+            let known = at_corners + rest + product_or_zero(region.content_first, aside);
+            quick.min(known)
+        } else {
+            quick
+        };
+        let enough = if self.table.is_axial() { f64::MAX } else { TUNING.quick_ratio * at_corners };
+        if by_table <= enough {
+            return by_table;
         }
         let (contents, rest) = self.contents_over(q, h, facets, aside);
         let close = at_corners + rest + product_or_zero(contents.first(), aside);
-        quick.min(close).min(contents.difference())
+        by_table.min(close).min(contents.difference())
     }
 
     /// Distance in the chart (mm) beside a facet at which a camera that is not the chart's sees the mirror.
@@ -339,6 +344,28 @@ impl<'a> ErrorBounder<'a> {
             view.image_of_seen(&self.problem.camera, at.to_array(), slope.to_array(), near)
         })
     }
+}
+
+/// What is known of a facet's errors before its interior is looked at, mm.
+struct CornerErrors {
+    /// Largest facet error at its corners.
+    largest: f64,
+    /// Bound of the chord error.
+    chord_mm: f64,
+    /// Bound of the distance between facet and mirror in h.
+    deviation_mm: f64,
+}
+
+/// Bounds of the two parts of the distance between a facet and the mirror in h, mm: what the gradients at its corners tell, and the rest.
+#[inline]
+pub(crate) fn height_deviation(
+    t: [&SurfaceVertex; 3],
+    frame: &FacetFrame,
+    region: &RegionBounds,
+) -> [f64; 2] {
+    let gradients = t.map(|v| frame.turn.rotate(v.gradient));
+    let [ab, bc, ca] = frame.triangle.edge_curvatures(gradients);
+    [largest_deviation(ab, bc, ca), frame.triangle.cubic_remainder(region.h_third)]
 }
 
 /// The product, with 0 times infinity equal to 0: a rate without a bound does not matter over no distance.

@@ -1,9 +1,9 @@
 //! Points and parts of one facet, and the bounds of its errors over a part.
 
 use super::bound_table::FacetFrame;
-use super::deviation::{Triangle, largest_quadratic};
+use super::deviation::largest_quadratic;
 use super::error_bound::ErrorKind;
-use super::error_bounder::ErrorBounder;
+use super::error_bounder::{ErrorBounder, height_deviation};
 use super::flat_facet::{FacetPair, gradient_of, third_derivative_norm};
 use super::imaging_problem::ImagingProblem;
 use super::tuning::TUNING;
@@ -45,6 +45,8 @@ pub(crate) struct FacetParts<'a> {
     gradients: [DVec2; 2],
     /// Distance by which rounding moves the corners in the chart, mm.
     shift: f64,
+    /// Whether the facet is as near to the mirror as the table's bounds of its contents ask for.
+    is_near: bool,
 }
 
 impl<'a> FacetParts<'a> {
@@ -57,15 +59,20 @@ impl<'a> FacetParts<'a> {
         let facets = FacetPair::new(t, bounder.precision);
         let chart = &bounder.problem.mirror.chart;
         let h = facets.heights(t, chart);
+        let frame = bounder.table.frame(t.map(|v| v.q));
+        let diameter = frame.triangle.diameter;
+        let region = bounder.table.region(&bounder.problem, &frame, diameter, 0.0);
+        let [quadratic, rest] = height_deviation(t, &frame, &region);
         Self {
             bounder,
             kind,
             view: bounder.problem.view.filter(|_| kind == ErrorKind::Facet),
             corners: t.map(|v| v.q),
-            diameter: Triangle::new(t.map(|v| v.q)).diameter,
+            diameter,
             h,
             gradients: h.map(|h| gradient_of(t.map(|v| v.q), h)),
             shift: facets.corner_shift(t, chart),
+            is_near: quadratic + rest <= bounder.problem.height_reach(),
             facets,
         }
     }
@@ -241,24 +248,25 @@ impl<'a> FacetParts<'a> {
         let largest = corners.iter().map(|c| c.shown).fold(0.0, max_or_nan);
         *attained = corners.iter().map(|c| c.seen).fold(*attained, f64::max);
         let rest = triangle.interpolation_error(region.content_second);
-        let is_covered = self.gradients.iter().all(|&gradient| frame.is_covered(&region, gradient));
+        let is_covered = self.is_near
+            && self.gradients.iter().all(|&gradient| frame.is_covered(&region, gradient));
         let beside = |first: f64| if aside == 0.0 { 0.0 } else { first * aside };
-        let known = if is_covered && aside <= table.margin() {
+        let mut known = if is_covered && aside <= table.margin() {
             largest + rest + beside(region.content_first)
         } else {
             f64::INFINITY
         };
-        let small =
-            if table.is_axial() { TUNING.small_remainder_on_axis } else { TUNING.small_remainder };
-        if rest <= small * largest && known < f64::INFINITY {
+        if rest <= TUNING.small_remainder * largest && known < f64::INFINITY {
             return known;
         }
         let h = corners.map(|c| c.h - c.over[0]);
         let q = corners.map(|c| c.q);
-        if table.is_axial() && !bounder.direction_only && aside <= table.margin() {
+        let is_axial = table.is_axial();
+        if (is_axial || !is_covered) && !bounder.direction_only && aside <= table.margin() {
             let rest = bounder.remainder_by_table(q, h, &self.facets, (&region, aside));
-            if rest < f64::INFINITY {
-                return known.min(largest + rest + beside(region.content_first));
+            known = known.min(largest + rest + beside(region.content_first));
+            if known < f64::INFINITY && (is_axial || rest <= TUNING.small_remainder * largest) {
+                return known;
             }
         }
         let (contents, rest) = bounder.contents_over(q, h, &self.facets, aside);

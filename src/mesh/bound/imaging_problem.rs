@@ -30,11 +30,28 @@ pub(crate) struct ImagingProblem<'a> {
     pub view: Option<&'a ImagingTask>,
 }
 
+/// Ranges of h (mm) and of its gradient on facets.
+#[derive(Debug, Clone, Copy)]
+struct FacetRanges {
+    h: Interval,
+    gradient: [Interval; 2],
+}
+
 impl ImagingProblem<'_> {
     /// Whether only directions count, so that all places of a facet show the same: parallel rays in, far targets out.
     pub(crate) fn is_direction_only(&self) -> bool {
         let parallel = self.camera.is_plan() && self.mirror.chart.is_plan();
         parallel && self.view.is_none_or(|view| view.target == Target::Infinity)
+    }
+
+    /// Distance in h up to which facets may lie off the mirror where the table's bounds of their contents hold, mm, without rounding.
+    pub(crate) fn height_reach(&self) -> f64 {
+        TUNING.height_reach * self.mirror.outline.bounds().size().max_element()
+    }
+
+    /// What rounding moves heights of facets by, at most, mm.
+    fn rounding_mm(&self) -> f64 {
+        ROUNDING * self.mirror.outline.bounds().size().max_element()
     }
 
     /// Number of cells to the side of one cell of the mirror's bound grid.
@@ -62,9 +79,15 @@ impl ImagingProblem<'_> {
         if let Some(view) = self.view {
             region.parallax_rate = self.parallax_rate([lo, hi], bounds);
             // A box beside which facets reach cannot be divided without them.
-            let divisions = if around.is_some() { 0 } else { TUNING.box_divisions };
-            let around = around.unwrap_or(bounds);
-            self.add_content_bounds(view, [lo, hi], [bounds, around], divisions, &mut region);
+            let (divisions, beyond) = match around {
+                Some(_) => (0, TUNING.gradient_margin),
+                None => (TUNING.box_divisions, TUNING.gradient_reach),
+            };
+            let facets = self.facet_ranges(around.unwrap_or(bounds), beyond);
+            if let Some(FacetRanges { gradient: [x, y], .. }) = facets {
+                region.gradient_box = [DVec2::new(x.lo, y.lo), DVec2::new(x.hi, y.hi)];
+            }
+            self.add_content_bounds(view, [lo, hi], (bounds, facets), divisions, &mut region);
         }
         region
     }
@@ -74,11 +97,13 @@ impl ImagingProblem<'_> {
         &self,
         view: &ImagingTask,
         [lo, hi]: [DVec2; 2],
-        [bounds, around]: [&DerivativeBounds; 2],
+        (bounds, facets): (&DerivativeBounds, Option<FacetRanges>),
         divisions: usize,
         region: &mut RegionBounds,
     ) {
-        let (planes, gradient_box) = self.facet_planes([lo, hi], around);
+        let planes = facets.map(|FacetRanges { h, gradient }| {
+            FacetPlanes::of_gradient(&self.mirror.chart, ranges([lo, hi]), h, gradient)
+        });
         let contents = self.content_bounds(view, [lo, hi], bounds, planes);
         let (second, mirror) = (contents.second(), second_derivatives(&contents.mirror));
         let [xx, xy, yy] = second;
@@ -94,8 +119,8 @@ impl ImagingProblem<'_> {
                 let lo = lo + step * DVec2::new((k % parts) as f64, (k / parts) as f64);
                 let part = [lo, lo + step];
                 if !is_outside(&self.mirror.outline, part) {
-                    let bounds = self.narrowed(bounds, part);
-                    let both = [&bounds, &bounds];
+                    let narrowed = self.narrowed(bounds, part);
+                    let both = (&narrowed, facets);
                     self.add_content_bounds(view, part, both, divisions - 1, region);
                 }
             }
@@ -104,7 +129,6 @@ impl ImagingProblem<'_> {
                 content_second: second,
                 mirror_second: mirror,
                 content_first: contents.first(),
-                gradient_box,
                 may_be_on_axis: !contents.is_bounded(),
                 ..RegionBounds::EMPTY
             };
@@ -112,30 +136,25 @@ impl ImagingProblem<'_> {
         }
     }
 
-    /// The planes of facets that may touch a box where `bounds` hold, and the box of their gradients of h.
-    fn facet_planes(
-        &self,
-        part: [DVec2; 2],
-        bounds: &DerivativeBounds,
-    ) -> (Option<FacetPlanes>, [DVec2; 2]) {
+    /// The ranges of facets that may touch a box where `bounds` hold, their gradients so far beyond the mirror's; none where only directions
+    /// count.
+    fn facet_ranges(&self, bounds: &DerivativeBounds, beyond: f64) -> Option<FacetRanges> {
         if self.is_direction_only() {
-            return (None, RegionBounds::EMPTY.gradient_box);
+            return None;
         }
         let chart = &self.mirror.chart;
         let k = chart.vergence;
         let grow = Interval::new(exp(k * bounds.f.lo), exp(k * bounds.f.hi));
-        let wide = bounds.slope.map(|s| {
+        let gradient = bounds.slope.map(|s| {
             let range = s * grow;
-            Interval::around(range.mid(), (0.5 + TUNING.gradient_margin) * range.width())
+            Interval::around(range.mid(), (0.5 + beyond) * range.width())
         });
-        // Rounded facets leave the mirror's heights by less than this.
-        let slack = ROUNDING * self.mirror.outline.bounds().size().max_element();
+        let slack = self.height_reach() + self.rounding_mm();
         let h = Interval::new(
             chart.projective_height(bounds.f.lo) - slack,
             chart.projective_height(bounds.f.hi) + slack,
         );
-        let gradient_box = [DVec2::new(wide[0].lo, wide[1].lo), DVec2::new(wide[0].hi, wide[1].hi)];
-        (Some(FacetPlanes::of_gradient(chart, ranges(part), h, wide)), gradient_box)
+        Some(FacetRanges { h, gradient })
     }
 
     /// Bounds of the mirror's derivatives over a part of a region where `bounds` hold, by Taylor's theorem about its

@@ -130,10 +130,11 @@ impl<'a> BudgetSearch<'a> {
     fn run(&mut self, mut limit: f64) -> Result<(), MeshError> {
         let most = self.budget.triangles as f64;
         let usual = self.budget.usual_meshes();
+        let enough_used = TUNING.enough[usize::from(!self.budget.is_small())] * most;
         let mut power = self.budget.power_law();
         for made in 1.. {
             let count = self.make(limit)?;
-            let content = count <= most && count >= TUNING.enough * most;
+            let content = count <= most && count >= enough_used;
             let enough = made >= usual || self.refusals >= TUNING.most_refusals;
             if content || self.bracket.is_closed() || (enough && self.best.is_some()) {
                 break;
