@@ -13,7 +13,7 @@ use super::residual_sample::{
 };
 use crate::num::condition::{column_norms, condition_number};
 use crate::num::least_squares::RankDeficient;
-use crate::num::streaming_qr::{StreamingQr, dot};
+use crate::num::streaming_qr::StreamingQr;
 use thiserror::Error;
 
 /// Largest factor by which the integral may grow in an accepted step: near the minimum rounding makes it
@@ -148,7 +148,8 @@ struct GaussNewton<'a, R, const N: usize> {
 impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
     /// Step number `steps`, counted from 1; the fit where the search ends.
     fn advance(&mut self, steps: usize) -> Result<Option<LeastSquaresFit>, SolveError> {
-        let GaussNewtonStep { step, gain, is_own } = self.gauss_newton_step(steps)?;
+        let GaussNewtonStep { step, own_gain } = self.gauss_newton_step(steps)?;
+        let is_own = own_gain.is_some();
         let change = self.basis.locals(&step);
         let size_mm = change.iter().fold(0.0, |most: f64, d| most.max(d[0].abs()));
         self.last_step_mm = size_mm;
@@ -168,13 +169,15 @@ impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
         }
         // Near targets magnify rounding errors: at the answer, steps wander instead of becoming
         // small, and what they would gain is less than the integral's own noise.
-        if is_own && !self.accepts(&whole) && gain <= self.now.noise(self.basis) {
-            return Ok(Some(self.fit(&self.now, steps)));
-        }
-        if !is_own && !self.accepts(&whole) {
-            // Only a step by its own triangle is worth shortening.
-            self.triangle = None;
-            return Ok(None);
+        if !self.accepts(&whole) {
+            let Some(gain) = own_gain else {
+                // Only a step by its own triangle is worth shortening.
+                self.triangle = None;
+                return Ok(None);
+            };
+            if gain <= self.now.noise(self.basis) {
+                return Ok(Some(self.fit(&self.now, steps)));
+            }
         }
         self.line_search(&step, whole, steps)?;
         Ok(None)
@@ -197,12 +200,11 @@ impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
             return Err(undefined());
         }
         if let Some(triangle) = &self.triangle {
-            let descent = descent(self.basis, &self.now.samples);
-            let mut step = descent.clone();
+            let mut step = descent(self.basis, &self.now.samples);
             triangle.forward(&mut step);
             triangle.back(&mut step);
             if step.iter().all(|x| x.is_finite()) {
-                return Ok(GaussNewtonStep { gain: dot(&step, &descent), step, is_own: false });
+                return Ok(GaussNewtonStep { step, own_gain: None });
             }
         }
         let samples = self.now.samples.iter().enumerate();
@@ -224,7 +226,7 @@ impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
             self.sizes_mm.clear();
             self.triangle = Some(qr);
         }
-        Ok(GaussNewtonStep { step, gain, is_own: true })
+        Ok(GaussNewtonStep { step, own_gain: Some(gain) })
     }
 
     /// Goes where the acceleration proposes, if the integral is no larger there; whether it went.
@@ -292,10 +294,8 @@ impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
 struct GaussNewtonStep {
     /// Change of the coefficients, mm.
     step: Vec<f64>,
-    /// What the integral would fall by, were the problem linear.
-    gain: f64,
-    /// Whether it is by the triangle of where it begins.
-    is_own: bool,
+    /// What the integral would fall by, were the problem linear; none of a step by an earlier triangle.
+    own_gain: Option<f64>,
 }
 
 /// Mirror at one step of the search, with its residuals.
