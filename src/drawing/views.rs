@@ -137,7 +137,6 @@ impl ViewPainter<'_> {
     fn axis_places(&self, sheet: &mut Sheet) {
         let (Area { left, low, .. }, [x, y]) = (self.rim(), self.layout.plan);
         let ([u, v], [wide, high, _]) = (self.facts.least_mm, self.facts.size_mm);
-        let is_aside = |least: f64, size: f64| (2.0 * least + size).abs() > 1e-3;
         if is_aside(u, wide) {
             level(sheet, [left, x], [low, low - FIRST], &mm(-u));
         }
@@ -146,16 +145,24 @@ impl ViewPainter<'_> {
         }
     }
 
-    /// The mirror's own size, where a rim is around it.
+    /// The mirror's own size, where a rim is around it, and where the axis is, if not in the mirror's middle.
     fn mirror_size(&self, sheet: &mut Sheet, view: &View, [right, high]: [f64; 2]) {
-        let [x, y] = self.facts.mirror_mm.map(|mm| 0.5 * mm * view.scale);
-        let [u, v] = view.origin;
-        let [size_x, size_y] = self.facts.mirror_mm.map(mm);
+        let DrawingFacts { mirror_least_mm: least, mirror_mm: size, .. } = self.facts;
+        let (first, extent) = (DVec2::from_array(*least), DVec2::from_array(*size));
+        let ([left, low], [far, top]) = (view.at(first), view.at(first + extent));
+        let [size_x, size_y] = size.map(mm);
         if self.facts.is_round {
-            level(sheet, [u - x, u + x], [high, high + FIRST], &format!("\u{d8}{size_x}"));
-        } else {
-            level(sheet, [u - x, u + x], [high, high + FIRST], &size_x);
-            upright(sheet, [v - y, v + y], [right, right + FIRST], &size_y);
+            return level(sheet, [left, far], [high, high + FIRST], &format!("\u{d8}{size_x}"));
+        }
+        let (aside, [x, y]) = ([0, 1].map(|k| is_aside(least[k], size[k])), view.origin);
+        let [beyond_x, beyond_y] = aside.map(|aside| if aside { SECOND } else { FIRST });
+        level(sheet, [left, far], [high, high + beyond_x], &size_x);
+        upright(sheet, [low, top], [right, right + beyond_y], &size_y);
+        if aside[0] {
+            level(sheet, [left, x], [high, high + FIRST], &mm(-least[0]));
+        }
+        if aside[1] {
+            upright(sheet, [low, y], [right, right + FIRST], &mm(-least[1]));
         }
     }
 
@@ -258,7 +265,7 @@ impl ViewPainter<'_> {
 
     /// A place of the mirror in the section Y = 0, and one above the view from which a leader comes to it.
     fn on_mirror(&self, view: &View, top: f64) -> ([f64; 2], [f64; 2]) {
-        let reach = -0.25 * self.facts.mirror_mm[0];
+        let reach = self.facts.mirror_least_mm[0] + 0.25 * self.facts.mirror_mm[0];
         let heights = self.part.sections[0].edges.iter().flatten();
         let near = heights.filter(|p| (p.x - reach).abs() < 0.1 * self.facts.mirror_mm[0]);
         let at = near.max_by(|a, b| a.y.total_cmp(&b.y)).copied().unwrap_or(DVec2::ZERO);
@@ -310,18 +317,24 @@ impl ViewPainter<'_> {
         let scale = fits.min(ISOMETRIC * self.layout.scale.factor());
         let middle = DVec2::new(left, foot + 8.0) + 0.5 * room - scale * 0.5 * (low + high);
         let view = View { frame, origin: middle.to_array(), scale };
-        let values = |size: f64| -> Vec<f64> {
-            let share = |k: u32| f64::from(k) / f64::from(MIRROR_LINES + 1) - 0.5;
-            (1..=MIRROR_LINES).map(|k| (share(k) + 1e-7) * size).collect()
+        let values = |axis: usize| -> Vec<f64> {
+            let share = |k: u32| f64::from(k) / f64::from(MIRROR_LINES + 1) + 1e-7;
+            let (least, size) = (self.facts.mirror_least_mm[axis], self.facts.mirror_mm[axis]);
+            (1..=MIRROR_LINES).map(|k| least + share(k) * size).collect()
         };
         for axis in 0..2 {
-            let lines = self.edges.mirror_lines(&frame, axis, &values(self.facts.mirror_mm[axis]));
+            let lines = self.edges.mirror_lines(&frame, axis, &values(axis));
             view.draw(sheet, &lines, FAINT);
         }
         view.draw(sheet, &edges, Pen::black(0.35));
         let at = [self.layout.isometric.middle()[0], foot + 2.0];
         sheet.text(at, SMALL, "isometric, not to scale", TextAlign::Centre);
     }
+}
+
+/// Whether the axis is not in the middle of what begins at `least` and is so long, mm.
+fn is_aside(least: f64, size: f64) -> bool {
+    (2.0 * least + size).abs() > 1e-3
 }
 
 /// The unit vector away from the axis, turned by so much, radians; upwards on the axis itself.

@@ -7,6 +7,7 @@ use super::panel_mesher::PanelMesher;
 use crate::geom::{Chart, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::ImagingTask;
+use crate::parallel;
 use std::borrow::Cow;
 
 /// The smooth mirrors that a mirror consists of, and what each is to show: panels with steps between them, or the mirror
@@ -54,9 +55,7 @@ impl<'a> Mesher<'a> {
         if let [panel] = &mut self.panels[..] {
             return panel.mesh(limits);
         }
-        let faces: Result<Vec<Face>, _> =
-            self.panels.iter_mut().map(|panel| panel.mesh(limits)).collect();
-        let faces = faces?;
+        let faces = self.of_each(|panel| panel.mesh(limits))?;
         let bound = faces.iter().fold(ErrorBound::default(), |most, face| most.max(face.bound));
         let optimum = faces.iter().map(|face| face.optimum).sum();
         let designed = faces.iter().map(|face| face.mesh.triangles.len()).sum();
@@ -82,12 +81,22 @@ impl<'a> Mesher<'a> {
         self.all(|panel| panel.estimate(limits))
     }
 
+    /// What `of` makes of every panel; the first panel's error, where several have one. A coarse mesh keeps one thread busy.
+    fn of_each<T: Send>(
+        &mut self,
+        of: impl Fn(&mut PanelMesher<'a>) -> Result<T, MeshError> + Sync,
+    ) -> Result<Vec<T>, MeshError> {
+        parallel::map_chunks_mut(&mut self.panels, 1, |_, panel| of(&mut panel[0]))
+            .into_iter()
+            .collect()
+    }
+
     /// The forecasts of all panels together.
     fn all(
         &mut self,
-        of: impl Fn(&mut PanelMesher<'a>) -> Result<FaceForecast, MeshError>,
+        of: impl Fn(&mut PanelMesher<'a>) -> Result<FaceForecast, MeshError> + Sync,
     ) -> Result<FaceForecast, MeshError> {
-        let panels = self.panels.iter_mut().map(of).collect::<Result<Vec<_>, _>>()?;
+        let panels = self.of_each(of)?;
         let [facets, rim] = [|f: &FaceForecast| f.facets, |f: &FaceForecast| f.rim]
             .map(|of| panels.iter().map(of).sum::<f64>());
         // A wall has as many facets as there are edges on both of its sides.

@@ -25,6 +25,10 @@ pub(super) struct PanelMesher<'a> {
     sizing: Option<SizingField>,
     /// The bounder of the last precision.
     bounder: Option<ErrorBounder<'a>>,
+    /// How far failures are taken to spread: as far as they were once seen to.
+    spread: FailureSpread,
+    /// The coarse mesh of the last limits where failures spread so far: a mesh often follows a forecast within the same ones.
+    coarse: Option<(Limits, FailureSpread, CoarseMesh)>,
 }
 
 impl<'a> PanelMesher<'a> {
@@ -34,6 +38,8 @@ impl<'a> PanelMesher<'a> {
             problem: ImagingProblem { mirror, camera: *camera, view },
             sizing: None,
             bounder: None,
+            spread: FailureSpread::Local,
+            coarse: None,
         }
     }
 
@@ -44,10 +50,8 @@ impl<'a> PanelMesher<'a> {
     pub(super) fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
         let ImagingProblem { mirror, camera, view } = self.problem;
         // From a thread of the pool, the others are reached more quickly.
-        let (panel, optimum) = parallel::join(
-            || self.panel(limits, FailureSpread::Local),
-            || Optimum::new(mirror, &camera, view),
-        );
+        let (panel, optimum) =
+            parallel::join(|| self.panel(limits), || Optimum::new(mirror, &camera, view));
         let (mut mesh, bound) = panel?;
         let designed = mesh.triangles.len();
         if mirror.folded {
@@ -63,8 +67,7 @@ impl<'a> PanelMesher<'a> {
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
     pub(super) fn forecast(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
-        let mirror = self.problem.mirror;
-        let spread = FailureSpread::Local;
+        let (mirror, spread) = (self.problem.mirror, self.spread);
         let found = self.forecast_by(limits, |bounder, coarse| {
             if !coarse.must_be_made_to_count(copies(mirror)) {
                 return Ok(Some(estimate(mirror, coarse)));
@@ -73,26 +76,26 @@ impl<'a> PanelMesher<'a> {
         })?;
         match found {
             Some(forecast) => Ok(forecast),
-            None => Ok(counted(mirror, &self.panel(limits, FailureSpread::Wide)?.0)),
+            None => {
+                self.spread = FailureSpread::Wide;
+                Ok(counted(mirror, &self.panel(limits)?.0))
+            }
         }
     }
 
-    /// The mesh of the designed panel, and its bound, where failures spread so far, or farther.
+    /// The mesh of the designed panel, and its bound.
     ///
     /// # Errors
     /// [`MeshError`] when there is no such mesh.
-    fn panel(
-        &mut self,
-        limits: Limits,
-        mut spread: FailureSpread,
-    ) -> Result<(TriMesh, ErrorBound), MeshError> {
+    fn panel(&mut self, limits: Limits) -> Result<(TriMesh, ErrorBound), MeshError> {
         loop {
-            let made = self.with_coarse_mesh(limits, spread, |bounder, coarse| {
+            let spread = self.spread;
+            let made = self.with_coarse_mesh(limits, |bounder, coarse| {
                 panel(bounder, coarse, limits, spread)
             })?;
             match made {
                 Some(panel) => return Ok(panel),
-                None => spread = FailureSpread::Wide,
+                None => self.spread = FailureSpread::Wide,
             }
         }
     }
@@ -111,31 +114,43 @@ impl<'a> PanelMesher<'a> {
         by: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError> + Send,
     ) -> Result<T, MeshError> {
         // From a thread of the pool, the others are reached more quickly.
-        parallel::join(|| self.with_coarse_mesh(limits, FailureSpread::Local, by), || ()).0
+        parallel::join(|| self.with_coarse_mesh(limits, by), || ()).0
     }
 
-    /// The result of `make` for the bounder and the coarse mesh of `limits`, drawn for failures that spread so far.
+    /// The result of `make` for the bounder and the coarse mesh of `limits`.
     fn with_coarse_mesh<T>(
         &mut self,
         limits: Limits,
-        spread: FailureSpread,
         make: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError>,
     ) -> Result<T, MeshError> {
+        let wanted = (limits, self.spread);
+        let known = self.coarse.take().filter(|(limits, spread, _)| (*limits, *spread) == wanted);
+        let coarse = match known {
+            Some((.., coarse)) => coarse,
+            None => self.draw(limits)?,
+        };
+        let bounder = self.bounder.as_ref().expect("what draws a mesh bounds its facets");
+        let made = make(bounder, &coarse);
+        self.coarse = Some((limits, self.spread, coarse));
+        made
+    }
+
+    /// Draws the coarse mesh of `limits`, with the bounder of their precision.
+    fn draw(&mut self, limits: Limits) -> Result<CoarseMesh, MeshError> {
         let problem = self.problem;
         assert!(problem.view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
         let domain = domain(problem.mirror);
         let known = self.sizing.take().and_then(|sizing| sizing.with_limits(limits));
         let sizing = known.unwrap_or_else(|| SizingField::new(&problem, domain, limits));
-        self.sizing = Some(sizing.clone());
         let known = self.bounder.take().filter(|bounder| bounder.precision == limits.precision);
         // Neither keeps all threads busy.
         let (bounder, candidate) = parallel::join(
             || known.unwrap_or_else(|| ErrorBounder::for_part(domain, problem, limits.precision)),
             || CoarseCandidate::new(problem.mirror, &sizing, domain, copies(problem.mirror)),
         );
+        self.sizing = Some(sizing);
         let bounder = self.bounder.insert(bounder);
-        let coarse = candidate?.choose_size(bounder, limits, spread)?;
-        make(bounder, &coarse)
+        candidate?.choose_size(bounder, limits, self.spread)
     }
 }
 

@@ -7,7 +7,7 @@ use super::page_figures::coarse_solid;
 use crate::design::Design;
 use crate::drawing::{self, DrawnPart};
 use crate::export::sag_heights;
-use crate::geom::{Contour, DVec2, Drilled, Hole, NumberedHole, Outline, Precision};
+use crate::geom::{Contour, DVec2, Drilled, Hole, NumberedHole, Outline, Precision, Rect};
 use crate::inspection::{least_margin_mm, plan_points, rims};
 use crate::mirror::{Form, Mirror};
 use crate::num::rounding::{ceil_125, two_digits_below};
@@ -78,14 +78,15 @@ fn facts(profile: &Profile, design: &Design, form: &Form, inspected: usize) -> D
         Some(Contour::Rect { corner_mm, .. }) => (false, Some(corner_mm)),
         None => (matches!(design.mirror.outline, Outline::Ring { .. }), None),
     };
-    let spec = &profile.drawing;
+    let (spec, mirror) = (&profile.drawing, plan_rectangle(&design.mirror));
     DrawingFacts {
         paper: spec.paper.name().to_owned(),
         projection: spec.arrangement.name().to_owned(),
         scale: drawing::scale(profile, size_mm).to_string(),
         size_mm,
         least_mm: design.plan_bounds().min.to_array(),
-        mirror_mm: mirror_size(&design.mirror).to_array(),
+        mirror_mm: mirror.size().to_array(),
+        mirror_least_mm: mirror.min.to_array(),
         lowest_mm: profile.part.base_mm,
         is_round,
         rim_mm: border.map(|border| border.top_mm),
@@ -97,18 +98,17 @@ fn facts(profile: &Profile, design: &Design, form: &Form, inspected: usize) -> D
         sphere_departure_mm: form.sphere.departure.pv_mm,
         pmi: pmi_facts(design, study.as_ref().and_then(FormStudy::limit).as_ref()),
         slope_error_mrad: slope.map(two_digits_below),
-        sag_mm: sag(&design.mirror, sag_steps(spec.paper)),
+        sag_mm: sag(&design.mirror, &mirror, sag_steps(spec.paper)),
         inspection_points: inspected,
         camera: format!("{}, {}", design.mounting.camera(), design.mounting.looks()),
     }
 }
 
-/// Size of the rectangle around the mirror in the plan, mm.
-fn mirror_size(mirror: &Mirror) -> DVec2 {
-    let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+/// The rectangle around the mirror in the plan, mm.
+fn plan_rectangle(mirror: &Mirror) -> Rect {
+    let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
     let places = rims(mirror).into_iter().flatten().map(|p| p.truncate());
-    let (low, high) = places.fold(none, |(low, high), p| (low.min(p), high.max(p)));
-    high - low
+    places.fold(none, |Rect { min, max }, p| Rect { min: min.min(p), max: max.max(p) })
 }
 
 /// Holes, marks and drains, with their numbers.
@@ -167,17 +167,19 @@ fn circles(design: &Design) -> Vec<(DVec2, f64)> {
     circles
 }
 
-/// Places of the mirror over a grid of round coordinates about the axis.
-fn sag(mirror: &Mirror, [across, along]: [f64; 2]) -> Vec<[f64; 3]> {
-    let half = 0.5 * mirror_size(mirror);
+/// Places of the mirror in `rectangle` over a grid of round coordinates, of which the axis is one.
+fn sag(mirror: &Mirror, rectangle: &Rect, [across, along]: [f64; 2]) -> Vec<[f64; 3]> {
+    let size = rectangle.size();
     // (Sizes are found to rounding.)
-    let step = ceil_125(2.0 * (1.0 - 1e-9) * (half.x / across).max(half.y / along));
-    let steps = |half: f64| {
-        let count = (half * (1.0 + 1e-9) / step).floor() as i64;
-        (-count..=count).map(move |k| k as f64 * step)
+    let step = ceil_125((1.0 - 1e-9) * (size.x / across).max(size.y / along));
+    let numbers = |from: f64, to: f64| {
+        let beyond = 1e-9 * (to - from);
+        let [first, last] = [((from - beyond) / step).ceil(), ((to + beyond) / step).floor()];
+        (first as i64..=last as i64).map(move |k| k as f64 * step)
     };
-    let places: Vec<DVec2> =
-        steps(half.y).flat_map(|y| steps(half.x).map(move |x| DVec2::new(x, y))).collect();
+    let Rect { min, max } = *rectangle;
+    let row = |y: f64| numbers(min.x, max.x).map(move |x| DVec2::new(x, y));
+    let places: Vec<DVec2> = numbers(min.y, max.y).flat_map(row).collect();
     let heights = sag_heights(mirror, &places);
     let found = places.iter().zip(heights).filter_map(|(p, z)| Some([p.x, p.y, z?]));
     found.collect()

@@ -6,14 +6,14 @@ use super::run::{Command, Run};
 use super::scenery::{PartScene, RenderOptions, SceneName, Scenery, WorldScene, stem};
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::geom::{DVec2, DVec3, Ray};
+use crate::geom::{DVec2, DVec3, Ray, Rect};
 use crate::num::{cos, radians, sin};
 use crate::optics::{Target, ThinnedFrame};
 use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
     CameraPicture, CameraView, Chessboard, Distance, Picture, ReflectedCentres, SetupDiagram,
-    SmoothSight, TestWorld, TracedMesh, World, optical_normal, pixel_errors, reflected,
+    SmoothSight, TestWorld, TracedMesh, World, optical_normal, pixel_errors, reflected_on_chart,
     shaded_views,
 };
 use crate::report::pixel_error_map;
@@ -155,30 +155,39 @@ fn chessboard(design: &Design, square_mm: Option<f64>) -> Chessboard {
     Chessboard::new(square, design.camera.chart.plane_mm, outline.reach(size))
 }
 
-/// How the mirror takes the image to a cylinder around it. Targets elsewhere are drawn on one that is
-/// near, as if from its middle.
+/// How the mirror takes the image to a cylinder around it, as a picture.
 fn cylinder(design: &Design, scene: &Scene) -> Picture {
+    let setup = setup(design, scene);
+    setup.picture(|at| {
+        let (q, _) = design.camera.chart.coordinates(at.extend(setup.image_mm));
+        reflected_on_chart(design, &[q])[0].map(|ray| ray.direction)
+    })
+}
+
+/// Image, mirror, and a cylinder around it. Targets elsewhere are drawn on one that is near, as if from its middle.
+fn setup<'a>(design: &Design, scene: &'a Scene) -> SetupDiagram<'a> {
     // Azimuths and elevation of the rays that are drawn, degrees; both ends of what the wall shows.
     const RAYS_DEG: ([f64; 5], f64) = ([-66.0, -33.0, 0.0, 33.0, 66.0], 9.0);
     const STEEPEST: f64 = 0.7;
     const STEPS: i32 = 96;
-    let half_mm = design.mirror.full_outline().bounds().size() * 0.5;
+    let bounds = design.mirror.full_outline().bounds();
+    let half_mm = bounds.size() * 0.5;
     let reach = half_mm.length();
     let radius_mm = match design.view.as_ref().map(|view| &view.target) {
         Some(&Target::Cylinder { radius_mm }) if radius_mm < 4.0 * reach => radius_mm,
         _ => 1.6 * reach,
     };
     let horizon = design.view.as_ref().map_or(design.camera.chart.plane_mm, |v| v.origin_mm);
-    // Between mirror and pinhole the image is smaller than on the reference plane.
+    // Between mirror and pinhole the image is smaller than on the reference plane, and beside it where the camera leans.
     let chart = design.camera.chart;
     let image_mm = scene.above_mm().min(chart.plane_mm + 0.5 / chart.vergence);
-    let shrink = chart.view_scale(image_mm);
     let step = |k: i32| f64::from(2 * k + 1) / f64::from(STEPS) - 1.0;
-    let row = |y: i32| (0..STEPS).map(|x| half_mm * DVec2::new(step(x), step(y))).collect();
+    let place = |x: i32, y: i32| bounds.centre() + half_mm * DVec2::new(step(x), step(y));
+    let row = |y: i32| (0..STEPS).map(|x| place(x, y)).collect();
     let points: Vec<Vec<DVec2>> = (0..STEPS).map(row).collect();
     let ends: Vec<(DVec2, Ray)> = points
         .iter()
-        .flat_map(|row| row.iter().copied().zip(reflected(design, row)))
+        .flat_map(|row| row.iter().copied().zip(reflected_on_chart(design, row)))
         .filter_map(|(q, end)| Some((q, end?)))
         .collect();
     let rise = |ray: &Ray| ray.direction.z / ray.direction.truncate().length();
@@ -197,12 +206,38 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
         let (a, b) = (d.length_squared(), o.dot(d));
         let inside = radius_mm * radius_mm - o.length_squared();
         let t = ((b * b + a * inside).max(0.0).sqrt() - b) / a;
-        Some([(q * shrink).extend(image_mm), ray.origin, ray.at(t)])
+        Some([chart.ray_at(*q, image_mm).extend(image_mm), ray.origin, ray.at(t)])
     });
     let rays = drawn.collect();
     let heights_mm = [foot, horizon, top];
-    let half_mm = half_mm * shrink;
-    let setup = SetupDiagram { scene, half_mm, image_mm, radius_mm, heights_mm, rays };
-    let shown = |q: DVec2| reflected(design, &[q / shrink])[0].map(|ray| ray.direction);
-    setup.picture(shown)
+    let [min, max] = [bounds.min, bounds.max].map(|q| chart.ray_at(q, image_mm));
+    SetupDiagram { scene, image: Rect { min, max }, image_mm, radius_mm, heights_mm, rays }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::TriMesh;
+    use crate::pipeline::load;
+
+    #[test]
+    fn rays_come_straight_from_a_camera_that_leans() {
+        for name in ["driver", "floor", "conquistador"] {
+            let design = crate::design::design(&load(name).unwrap()).unwrap();
+            let place = design.mirror.position(DVec2::ZERO, &design.mirror.at(DVec2::ZERO));
+            let size = DVec3::splat(1.0);
+            let vertices = vec![place - size, place + size, place];
+            let scene = Scene::new(TriMesh { vertices, triangles: vec![[0, 1, 2]] });
+            let setup = setup(&design, &scene);
+            assert_eq!(setup.rays.len(), 5, "{name}");
+            for [image, mirror, _] in &setup.rays {
+                let way = (*image - *mirror).normalize();
+                let (q, _) = design.camera.chart.coordinates(*mirror);
+                let sight = design.camera.chart.ray(q, image.z).direction;
+                let off = way.cross(sight).length();
+                assert!(off < 1e-12, "{name}: {off:e}");
+                assert!(setup.image.contains(image.truncate()), "{name}");
+            }
+        }
+    }
 }

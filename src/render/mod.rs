@@ -43,7 +43,7 @@ pub use setup_diagram::SetupDiagram;
 pub(crate) use shaded_views::optical_normal;
 pub use shaded_views::{shaded_view, shaded_views};
 pub use side_view::{SideView, ViewRay};
-pub(crate) use smooth_sight::{SmoothSight, reflected};
+pub(crate) use smooth_sight::{SmoothSight, reflected, reflected_on_chart};
 pub use test_world::TestWorld;
 pub use unwanted_views::{OwnCamera, UnwantedViews};
 

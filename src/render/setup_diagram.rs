@@ -10,7 +10,7 @@ use super::samples::SampleGrid;
 use super::shaded_views::DistantView;
 use super::solid_of_revolution::SolidOfRevolution;
 use super::test_world::TestWorld;
-use crate::geom::{DVec2, DVec3, Ray};
+use crate::geom::{DVec2, DVec3, Ray, Rect};
 use crate::num::{cos, sin};
 use crate::trace::Scene;
 
@@ -28,8 +28,8 @@ const THICK: f64 = 0.006;
 pub struct SetupDiagram<'a> {
     /// The part.
     pub scene: &'a Scene,
-    /// Half sides of the image, which is drawn in the plane Z = `image_mm`.
-    pub half_mm: DVec2,
+    /// Sides of the image, which is drawn in the plane Z = `image_mm`.
+    pub image: Rect,
     /// Where its plane is.
     pub image_mm: f64,
     /// Radius of the cylinder about the axis, on which the test world is painted.
@@ -91,7 +91,7 @@ impl SetupDiagram<'_> {
         }
         let t = (self.image_mm - ray.origin.z) / ray.direction.z;
         let q = ray.at(t).truncate();
-        if t < end && q.abs().cmple(self.half_mm).all() {
+        if t < end && self.image.contains(q) {
             (end, light) = (t, shown(q).map_or([0.3; 3], &painted));
         }
         if let Some(hit) = self.scene.nearest_hit(ray).filter(|hit| hit.t < end) {
@@ -149,8 +149,9 @@ impl SetupDiagram<'_> {
             let rim = |z: f64| (away * self.radius_mm).extend(z);
             points.extend([rim(self.heights_mm[0]), rim(self.heights_mm[2])]);
         }
-        for sign in [-1.0, 1.0].map(|x| [DVec2::new(x, -1.0), DVec2::new(x, 1.0)]).concat() {
-            points.push((self.half_mm * sign).extend(self.image_mm));
+        let Rect { min, max } = self.image;
+        for corner in [min, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y), max] {
+            points.push(corner.extend(self.image_mm));
         }
         points.extend(&self.scene.mesh().vertices);
         let nothing = [DVec2::INFINITY, DVec2::NEG_INFINITY];
@@ -168,7 +169,7 @@ mod tests {
         let rays = vec![[DVec3::new(0.0, 0.0, 30.0), DVec3::ZERO, DVec3::new(0.0, 20.0, 0.0)]];
         SetupDiagram {
             scene,
-            half_mm: DVec2::new(5.0, 2.0),
+            image: Rect { min: DVec2::new(-5.0, -2.0), max: DVec2::new(5.0, 2.0) },
             image_mm: 30.0,
             radius_mm: 20.0,
             heights_mm: [-8.0, 1.0, 9.0],

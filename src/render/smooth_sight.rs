@@ -34,7 +34,7 @@ impl<'a> SmoothSight<'a> {
     /// none off the mirror.
     pub(crate) fn reflected(&self, points: &[DVec2]) -> Vec<Option<Ray>> {
         let on_chart: Vec<DVec2> = points.iter().map(|&q| self.frame.chart_point(q)).collect();
-        leaving(self.design, &on_chart)
+        reflected_on_chart(self.design, &on_chart)
     }
 
     /// The same at the centres of the pixels of `camera`, which has the design's frame in other pixels.
@@ -56,11 +56,12 @@ impl<'a> SmoothSight<'a> {
 /// none off the mirror.
 pub(crate) fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
     let picture = &design.camera.picture;
-    leaving(design, &points.iter().map(|&q| picture.chart_point(q)).collect::<Vec<_>>())
+    reflected_on_chart(design, &points.iter().map(|&q| picture.chart_point(q)).collect::<Vec<_>>())
 }
 
-/// The rays that leave the mirror of `design` on the camera's rays through `on_chart`, mm of the camera's chart.
-fn leaving(design: &Design, on_chart: &[DVec2]) -> Vec<Option<Ray>> {
+/// The rays that leave the designed mirror on the camera's rays through the points `on_chart` of its chart, mm (best in lines of equal y):
+/// none off the mirror.
+pub(crate) fn reflected_on_chart(design: &Design, on_chart: &[DVec2]) -> Vec<Option<Ray>> {
     let Design { mirror, camera, .. } = design;
     let chart = &camera.chart;
     let outline = mirror.full_outline();

@@ -34,6 +34,8 @@ pub struct DrawingFacts {
     pub least_mm: [f64; 2],
     /// Length of the mirror along X and Y, mm.
     pub mirror_mm: [f64; 2],
+    /// Least X and Y of the mirror, mm.
+    pub mirror_least_mm: [f64; 2],
     /// Z of the mirror's lowest place, mm.
     pub lowest_mm: f64,
     /// Whether the part's outside is round.

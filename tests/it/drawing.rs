@@ -162,3 +162,44 @@ fn chamfered_edges_are_drawn_and_told() {
         assert_eq!(json.get("edge_chamfer_mm").and_then(Value::as_f64), leg);
     }
 }
+
+/// X of the upright lines of a PDF, mm on paper.
+fn upright_lines(pdf: &[u8]) -> Vec<f64> {
+    let text: String = pdf.iter().map(|&byte| char::from(byte)).collect();
+    let place = |line: &str, operator: &str| -> Option<[f64; 2]> {
+        let mut numbers = line.strip_suffix(operator)?.split_whitespace().map(str::parse);
+        Some([numbers.next()?.ok()?, numbers.next()?.ok()?])
+    };
+    let lines: Vec<&str> = text.lines().collect();
+    let upright = |pair: &[&str]| {
+        let ([x, _], [to, _]) = (place(pair[0], " m")?, place(pair[1], " l")?);
+        (x == to).then_some(x * 25.4 / 72.0)
+    };
+    lines.windows(2).filter_map(upright).collect()
+}
+
+/// Beside a rim that lies evenly about the axis, the mirror of a camera that is not above it does not.
+#[test]
+fn a_leaning_mirrors_own_size_is_drawn_where_the_mirror_is() {
+    let out = folder();
+    let text = std::fs::read_to_string("profiles/driver.toml").unwrap();
+    let text = edited(&text, &[("base_mm = 5", "base_mm = 12\nborder_mm = 20\nrim_mm = 3")]);
+    let profile = Profile::parse("driver", "driver.toml", text.as_bytes()).unwrap();
+    let facts = DrawingOptions.publish(&profile, out.path(), &Silent).unwrap().drawing;
+    let aside = facts.mirror_least_mm[0] + 0.5 * facts.mirror_mm[0];
+    assert!(aside.abs() > 0.5, "{aside}");
+    let (_, enlarged) = facts.scale.split_once(':').unwrap();
+    let scale = 1.0 / enlarged.parse::<f64>().unwrap();
+    let pdf = std::fs::read(out.path().join("driver/drawing.pdf")).unwrap();
+    assert!(shown(&pdf).contains(&mm(-facts.mirror_least_mm[0])));
+    let lines = upright_lines(&pdf);
+    let has = |x: f64| lines.iter().any(|line| (line - x).abs() < 0.01);
+    let ends =
+        |least: f64, size: f64| [least, least + size].map(|x| scale * (x - facts.least_mm[0]));
+    let [part, mirror] = [
+        ends(facts.least_mm[0], facts.size_mm[0]),
+        ends(facts.mirror_least_mm[0], facts.mirror_mm[0]),
+    ];
+    let all = || part.into_iter().chain(mirror);
+    assert!(lines.iter().any(|left| all().all(|x| has(left + x))), "{lines:?}");
+}

@@ -4,12 +4,14 @@ use super::tuning::TUNING;
 use crate::mesh::error::MeshError;
 use crate::num::{exp, log};
 
-/// The power of the limit with which the number of triangles falls, from the last two tries: where rims need most of
-/// the triangles, or a mirror is flat, the number hardly follows the limit.
+/// The power of the limit with which the number of triangles falls, from the tries: where rims need most of the triangles,
+/// or a mirror is flat, the number hardly follows the limit.
 #[derive(Debug)]
 pub(super) struct PowerLaw {
     /// Theory's power, which is the largest.
     theory: f64,
+    /// The power that is taken.
+    power: f64,
     /// Logarithms of the last limit and its number of triangles.
     last: Option<[f64; 2]>,
 }
@@ -17,7 +19,7 @@ pub(super) struct PowerLaw {
 impl PowerLaw {
     /// The law with theory's power.
     pub(super) fn new(theory: f64) -> Self {
-        Self { theory, last: None }
+        Self { theory, power: theory, last: None }
     }
 
     /// A factor on `limit`, which has `count` triangles, towards `target` triangles.
@@ -26,10 +28,21 @@ impl PowerLaw {
             return f64::INFINITY;
         }
         let now = [log(limit), log(count)];
-        let measured = self.last.map(|last| (last[1] - now[1]) / (now[0] - last[0]));
-        let power = measured.filter(|power| power.is_finite()).unwrap_or(self.theory);
-        self.last = Some(now);
-        exp((now[1] - log(target)) / power.clamp(TUNING.least_power * self.theory, self.theory))
+        if let Some(last) = self.last.replace(now) {
+            self.learn(now[0] - last[0], last[1] - now[1]);
+        }
+        exp((now[1] - log(target)) / self.power)
+    }
+
+    /// Learns that over a step of the limit's logarithm that of the number fell by so much: little from limits that are near
+    /// each other, whose numbers differ by chance.
+    fn learn(&mut self, step: f64, fall: f64) {
+        let weight = step * step / (step * step + TUNING.chance * TUNING.chance);
+        let measured = fall / step;
+        if measured.is_finite() {
+            let power = self.power + weight * (measured - self.power);
+            self.power = power.clamp(TUNING.least_power * self.theory, self.theory);
+        }
     }
 }
 
@@ -122,5 +135,40 @@ impl Bracket {
     /// The limit itself, or the nearest one that may be tried.
     pub(super) fn clamp(&self, limit: f64) -> f64 {
         limit.clamp(self.strictest, self.loosest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps of a search by `count` from `limit` on until it is within a hundredth of `target`.
+    fn steps(count: impl Fn(f64) -> f64, mut limit: f64, target: f64) -> usize {
+        let mut power = PowerLaw::new(2.0);
+        (1..40)
+            .find(|_| {
+                let found = count(limit);
+                limit *= power.step(limit, found, target);
+                (found / target - 1.0).abs() < 0.01
+            })
+            .unwrap_or(40)
+    }
+
+    #[test]
+    fn limits_that_are_near_each_other_do_not_mislead_the_next_step() {
+        // The number rises by chance where the limit is loosened by a hundredth.
+        let mut power = PowerLaw::new(2.0);
+        assert!((power.step(1.0, 101.0, 100.0) - 1.005).abs() < 1e-4);
+        let next = power.step(1.01, 102.5, 100.0);
+        assert!((1.01..1.02).contains(&next), "{next}");
+    }
+
+    #[test]
+    fn a_power_below_theory_is_learnt() {
+        assert!(steps(|limit| 1e4 / (limit * limit), 3.0, 1e4) <= 2);
+        assert!(steps(|limit| 1e4 / limit.sqrt(), 3.0, 1e4) <= 4);
+        // Half of the triangles are at the rim.
+        let with_rim = |limit: f64| 5e3 + 5e3 / (limit * limit);
+        assert!(steps(with_rim, 0.3, 1e4) <= 5 && steps(with_rim, 3.0, 1e4) <= 7);
     }
 }

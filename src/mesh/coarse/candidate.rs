@@ -30,22 +30,22 @@ fn mean(size: DVec2) -> f64 {
 }
 
 /// The first candidate of a coarse mesh, of which no facet has been bounded yet.
-pub(crate) struct CoarseCandidate<'a> {
+pub(crate) struct CoarseCandidate {
     /// The cells of the mesh that is wanted.
-    frames: FrameField<'a>,
+    frames: FrameField,
     domain: Rect,
     copies: usize,
-    first: CoarseMesh<'a>,
+    first: CoarseMesh,
 }
 
-impl<'a> CoarseCandidate<'a> {
+impl CoarseCandidate {
     /// A candidate for the part `domain` of `mirror`, of which the face holds `copies`.
     ///
     /// # Errors
     /// [`MeshError`] where rounding alone exceeds the limits, or there would be too many facets.
     pub(crate) fn new(
         mirror: &Mirror,
-        sizing: &'a SizingField,
+        sizing: &SizingField,
         domain: Rect,
         copies: usize,
     ) -> Result<Self, MeshError> {
@@ -75,9 +75,9 @@ impl<'a> CoarseCandidate<'a> {
         bounder: &ErrorBounder,
         limits: Limits,
         spread: FailureSpread,
-    ) -> Result<CoarseMesh<'a>, MeshError> {
+    ) -> Result<CoarseMesh, MeshError> {
         let Self { mut frames, domain, copies, first } = self;
-        let draw = |frames: &FrameField<'a>, known: &CoarseMesh<'a>| {
+        let draw = |frames: &FrameField, known: &CoarseMesh| {
             let mesh = CoarseMesh::new(bounder.mirror(), domain, frames.clone())?;
             Ok::<_, MeshError>(mesh.estimate_growth_beside(known, bounder, limits, spread))
         };

@@ -62,13 +62,13 @@ impl GrowthEstimate {
 }
 
 /// A coarse mesh of the meshed part of a mirror.
-pub(crate) struct CoarseMesh<'a> {
+pub(crate) struct CoarseMesh {
     /// The cells of its lattice.
-    pub frames: FrameField<'a>,
+    pub frames: FrameField,
     /// The arcs of its boundary.
     pub arcs: BoundaryArcs,
     /// Its triangles.
-    pub net: EditableTriangulation<'a>,
+    pub net: EditableTriangulation,
     /// Estimate of the facets that come of it; zero before [`Self::estimate_growth`].
     pub estimate: GrowthEstimate,
     samples: Vec<FacetSample>,
@@ -85,7 +85,7 @@ struct FacetSample {
     probed: Option<ProbeOutcome>,
 }
 
-impl<'a> CoarseMesh<'a> {
+impl CoarseMesh {
     /// The part `domain` of `mirror` covered with the cells of `frames`.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl<'a> CoarseMesh<'a> {
     pub(crate) fn new(
         mirror: &Mirror,
         domain: Rect,
-        frames: FrameField<'a>,
+        frames: FrameField,
     ) -> Result<Self, MeshError> {
         let contrast = |at| MeshError::SizeContrast { at };
         let boundary = BoundaryNodes::new(mirror, domain, &frames).map_err(contrast)?;

@@ -17,11 +17,11 @@ use std::collections::HashSet;
 ///
 /// # Errors
 /// [`MeshError::PointRejected`] where spade refuses a point.
-pub(crate) fn triangulate<'a>(
+pub(crate) fn triangulate(
     placed: PointPlacement,
     boundary: &BoundaryNodes,
-    frames: &FrameField<'a>,
-) -> Result<EditableTriangulation<'a>, MeshError> {
+    frames: &FrameField,
+) -> Result<EditableTriangulation, MeshError> {
     let scale = isotropic_scale(&placed.cells);
     // spade would keep one of several points in one place, and number all after it anew.
     let mut met = HashSet::new();
@@ -44,14 +44,14 @@ pub(crate) fn triangulate<'a>(
         .filter(|&triangle| boundary.keeps(triangle))
         .map(|triangle| triangle.map(|v| v as u32))
         .collect();
-    let net = EditableTriangulation::new(frames.sizing, frames.parts as f64, points, triangles);
+    let net = EditableTriangulation::new(&frames.sizing, frames.parts as f64, points, triangles);
     let threshold = TUNING.movable_oversize * frames.relative_size() * frames.relative_size();
     Ok(Smoothing::new(net, &cells, threshold).run())
 }
 
 /// Rounds of flips and moves, each over what the one before has changed.
-struct Smoothing<'a, 'c> {
-    net: EditableTriangulation<'a>,
+struct Smoothing<'c> {
+    net: EditableTriangulation,
     /// The cell at each vertex, in which moves are measured.
     cells: &'c [DMat2],
     /// Oversize over which vertices are moved.
@@ -63,8 +63,8 @@ struct Smoothing<'a, 'c> {
     is_listed: Vec<bool>,
 }
 
-impl<'a, 'c> Smoothing<'a, 'c> {
-    fn new(net: EditableTriangulation<'a>, cells: &'c [DMat2], threshold: f64) -> Self {
+impl<'c> Smoothing<'c> {
+    fn new(net: EditableTriangulation, cells: &'c [DMat2], threshold: f64) -> Self {
         let edges = net.triangles.iter().flat_map(|&t| edges_once(t)).collect();
         let vertices = (0..net.vertices.len() as u32).collect();
         let is_listed = vec![false; net.vertices.len()];
@@ -72,7 +72,7 @@ impl<'a, 'c> Smoothing<'a, 'c> {
     }
 
     /// The smoothed triangulation.
-    fn run(mut self) -> EditableTriangulation<'a> {
+    fn run(mut self) -> EditableTriangulation {
         let mut sets = IndependentSets::default();
         let mut is_stale = vec![false; self.net.triangles.len()];
         for _ in 0..TUNING.smoothing_rounds {

@@ -33,7 +33,7 @@ pub(crate) struct PointPlacement {
 
 /// A placement while it grows.
 struct Growth<'a> {
-    frames: &'a FrameField<'a>,
+    frames: &'a FrameField,
     boundary: &'a BoundaryNodes,
     grid: SpatialGrid,
     /// Points that have yet to propose their neighbours.
@@ -116,7 +116,7 @@ impl PointPlacement {
 
 impl<'a> Growth<'a> {
     /// A placement of the boundary nodes alone.
-    fn new(frames: &'a FrameField<'a>, boundary: &'a BoundaryNodes) -> Self {
+    fn new(frames: &'a FrameField, boundary: &'a BoundaryNodes) -> Self {
         let placed = PointPlacement {
             proposed: Vec::new(),
             points: Vec::new(),

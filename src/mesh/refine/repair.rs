@@ -45,7 +45,7 @@ pub(crate) fn refine(
         check,
         frames,
         arcs,
-        net: EditableTriangulation::new(frames.sizing, 1.0, vertices, fine.triangles),
+        net: EditableTriangulation::new(&frames.sizing, 1.0, vertices, fine.triangles),
         changed: Vec::new(),
         sets: IndependentSets::default(),
         collapsed: HashSet::new(),
@@ -65,9 +65,9 @@ pub(crate) fn refine(
 /// A fine mesh under repair.
 struct Repair<'a> {
     check: &'a FacetCheck<'a>,
-    frames: &'a FrameField<'a>,
+    frames: &'a FrameField,
     arcs: &'a BoundaryArcs,
-    net: EditableTriangulation<'a, SurfaceVertex>,
+    net: EditableTriangulation<SurfaceVertex>,
     /// Facets that have changed since they were checked.
     changed: Vec<u32>,
     sets: IndependentSets,

@@ -73,7 +73,7 @@ struct CoarsePatch {
 
 /// A coarse triangulation that is cut.
 struct Subdivider<'a> {
-    coarse: &'a EditableTriangulation<'a>,
+    coarse: &'a EditableTriangulation,
     arcs: &'a BoundaryArcs,
     parts: usize,
     /// For every coarse triangle the triangles beyond its sides.

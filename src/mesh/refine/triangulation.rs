@@ -37,8 +37,8 @@ impl VertexLink {
 }
 
 /// Triangles in the plane of the chart, with the triangles around each vertex.
-pub(crate) struct EditableTriangulation<'a, C = DVec2> {
-    sizing: &'a SizingField,
+pub(crate) struct EditableTriangulation<C = DVec2> {
+    sizing: SizingField,
     /// Factor on the oversize of triangles.
     scale: f64,
     /// Vertices.
@@ -50,17 +50,17 @@ pub(crate) struct EditableTriangulation<'a, C = DVec2> {
     next: Vec<u32>,
 }
 
-impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
+impl<C: VertexModel> EditableTriangulation<C> {
     /// A triangulation whose triangles count as `scale` times smaller, in length, than they are.
     pub(crate) fn new(
-        sizing: &'a SizingField,
+        sizing: &SizingField,
         scale: f64,
         vertices: Vec<C>,
         triangles: Vec<[u32; 3]>,
     ) -> Self {
         let (first, next) = (vec![NONE; vertices.len()], vec![NONE; 3 * triangles.len()]);
         let scale = 1.0 / (scale * scale);
-        let mut net = Self { sizing, scale, vertices, triangles, first, next };
+        let mut net = Self { sizing: sizing.clone(), scale, vertices, triangles, first, next };
         for t in 0..net.triangles.len() {
             net.attach(t);
         }
@@ -73,7 +73,7 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
         if !(turn(a, b, c) > 0.0) {
             return f64::INFINITY;
         }
-        C::oversize(self.sizing, model, triangle) * self.scale
+        C::oversize(&self.sizing, model, triangle) * self.scale
     }
 
     /// Oversize of a triangle by the model at its centroid.

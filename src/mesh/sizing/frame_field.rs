@@ -16,9 +16,9 @@ const FITTED: f64 = 1e-9;
 
 /// Lattice cells over one panel.
 #[derive(Clone)]
-pub(crate) struct FrameField<'a> {
+pub(crate) struct FrameField {
     /// The sizing field that they follow.
-    pub sizing: &'a SizingField,
+    pub sizing: SizingField,
     /// Kind of the lattice.
     pub kind: LatticeKind,
     /// Fine cells to the side of one of these (coarse) cells.
@@ -46,11 +46,11 @@ struct UngradedCell {
     enlargement: f64,
 }
 
-impl<'a> FrameField<'a> {
+impl FrameField {
     /// The cells of the kind of which the fewest will do, with facets of the quadratic model `relative_size` times as
     /// large as the limits allow; of fine cells about `most` facets, and coarse ones of equal parts beyond that.
     pub(crate) fn new(
-        sizing: &'a SizingField,
+        sizing: &SizingField,
         outline: &Outline,
         relative_size: f64,
         most: f64,
@@ -75,7 +75,7 @@ impl<'a> FrameField<'a> {
     }
 
     /// The graded cells of one kind, not yet ready to be looked up between nodes.
-    fn graded(sizing: &'a SizingField, kind: LatticeKind, relative_size: f64, side: usize) -> Self {
+    fn graded(sizing: &SizingField, kind: LatticeKind, relative_size: f64, side: usize) -> Self {
         let nodes: Vec<DVec2> = sizing.domain().grid(side, side).map(|(q, _)| q).collect();
         let ungraded = |&q: &DVec2| {
             let model = sizing.at(q);
@@ -84,7 +84,7 @@ impl<'a> FrameField<'a> {
             UngradedCell { shape, size, enlargement: kind.enlargement(sizing, &model, &shape) }
         };
         let mut cells = Self {
-            sizing,
+            sizing: sizing.clone(),
             kind,
             parts: 1,
             relative_size,

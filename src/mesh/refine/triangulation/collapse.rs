@@ -14,7 +14,7 @@ pub(crate) struct Collapse {
     oversize: f64,
 }
 
-impl<C: VertexModel> EditableTriangulation<'_, C> {
+impl<C: VertexModel> EditableTriangulation<C> {
     /// Whether triangle `t` has been removed by a collapse.
     pub(crate) fn is_removed(&self, t: u32) -> bool {
         self.triangles[t as usize][0] == NONE
@@ -142,7 +142,7 @@ mod tests {
     }
 
     /// A square of side 2 with its corners 0 to 3, and the inner one 4.
-    fn square(sizing: &SizingField, x: f64, y: f64) -> EditableTriangulation<'_, Bare> {
+    fn square(sizing: &SizingField, x: f64, y: f64) -> EditableTriangulation<Bare> {
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (x, y)];
         let vertices = corners.map(|(x, y)| Bare(DVec2::new(x, y))).to_vec();
         EditableTriangulation::new(

@@ -7,15 +7,15 @@ use crate::mesh::sizing::local_model::LocalModel;
 use glam::DMat2;
 
 /// An inner vertex that may be moved, with what stays the same meanwhile.
-struct VertexMove<'n, 'a, C> {
-    net: &'n EditableTriangulation<'a, C>,
+struct VertexMove<'n, C> {
+    net: &'n EditableTriangulation<C>,
     link: VertexLink,
     own: &'n C,
     /// The local model at the vertex.
     model: LocalModel,
 }
 
-impl<C: VertexModel> EditableTriangulation<'_, C> {
+impl<C: VertexModel> EditableTriangulation<C> {
     /// A position with smaller errors around the inner vertex `v`, if one of them is over the oversize `threshold`.
     /// Steps are measured in `cell`s; `vertex` is the vertex at a position.
     pub(crate) fn better_position(
@@ -37,7 +37,7 @@ impl<C: VertexModel> EditableTriangulation<'_, C> {
     }
 }
 
-impl<C: VertexModel> VertexMove<'_, '_, C> {
+impl<C: VertexModel> VertexMove<'_, C> {
     /// Oversize of the triangle between the vertex at `p` and an edge of its link.
     fn oversize(&self, p: &C, edge: [u32; 2]) -> f64 {
         let [b, c] = edge.map(|w| &self.net.vertices[w as usize]);
