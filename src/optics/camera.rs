@@ -114,16 +114,18 @@ impl Camera {
         Self { pixels, pixel_mm: self.pixel_mm * scale, ..self }
     }
 
-    /// The same camera with so many columns at most, and rows in their number.
+    /// The same camera with so many columns at most, and rows in their number: an even one if it has an even one, so that none looks along
+    /// the middle of the frame, where panels may meet in a wall.
     #[must_use]
     pub fn at_most(self, columns: u32) -> Self {
         let [width, height] = self.pixels;
         if width <= columns {
             return self;
         }
-        let scale = f64::from(width) / f64::from(columns);
-        let rows = ((f64::from(height) / scale).round() as u32).max(1);
-        self.with_pixels([columns, rows])
+        let exact = f64::from(height) * f64::from(columns) / f64::from(width);
+        let parts = if height.is_multiple_of(2) { 2.0 } else { 1.0 };
+        let rows = (parts * (exact / parts).round()) as u32;
+        self.with_pixels([columns, rows.max(1)])
     }
 
     /// Camera of a model over a mirror `width_mm` wide, its reference plane at Z = 0.
@@ -309,5 +311,22 @@ mod tests {
         assert_eq!(camera.image_point(0.5, 0.5), DVec2::new(-0.75, 0.25));
         assert_eq!(camera.image_point(3.5, 1.5), DVec2::new(0.75, -0.25));
         assert_eq!(camera.image_point(2.0, 1.0), DVec2::ZERO);
+    }
+    #[test]
+    fn fewer_pixels_keep_the_frame_and_no_row_of_them_looks_along_its_middle() {
+        let chart = Chart::on_axis(0.0, 0.0);
+        let of = |pixels| Camera { pixels, pixel_mm: 0.01, chart, picture: PictureMap::default() };
+        for (pixels, fewer) in
+            [([4056, 3040], [1600, 1200]), ([2000, 1001], [1600, 801]), ([1600, 7], [1600, 7])]
+        {
+            let (camera, small) = (of(pixels), of(pixels).at_most(1600));
+            assert_eq!(small.pixels, fewer);
+            // Centres of the outermost pixels are within the frame.
+            let corner = small.image_point(f64::from(fewer[0]) - 0.5, 0.5);
+            let frame = camera.image_point(f64::from(pixels[0]), 0.0);
+            assert!(corner.x < frame.x && corner.y < frame.y, "{corner} {frame}");
+            let middle = |row: u32| small.image_point(0.5, f64::from(row) + 0.5).y == 0.0;
+            assert_eq!((0..fewer[1]).any(middle), pixels[1] % 2 == 1);
+        }
     }
 }
