@@ -154,15 +154,15 @@ impl ViewPainter<'_> {
         if self.facts.is_round {
             return level(sheet, [left, far], [high, high + FIRST], &format!("\u{d8}{size_x}"));
         }
-        let (aside, [x, y]) = ([0, 1].map(|k| is_aside(least[k], size[k])), view.origin);
-        let [beyond_x, beyond_y] = aside.map(|aside| if aside { SECOND } else { FIRST });
-        level(sheet, [left, far], [high, high + beyond_x], &size_x);
-        upright(sheet, [low, top], [right, right + beyond_y], &size_y);
-        if aside[0] {
-            level(sheet, [left, x], [high, high + FIRST], &mm(-least[0]));
+        level(sheet, [left, far], [high, high + FIRST], &size_x);
+        upright(sheet, [low, top], [right, right + FIRST], &size_y);
+        // (Beyond the mirror's size, whose figure would meet a cutting line there.)
+        let [x, y] = view.origin;
+        if is_aside(least[0], size[0]) {
+            level(sheet, [left, x], [high, high + SECOND], &mm(-least[0]));
         }
-        if aside[1] {
-            upright(sheet, [low, y], [right, right + FIRST], &mm(-least[1]));
+        if is_aside(least[1], size[1]) {
+            upright(sheet, [low, y], [right, right + SECOND], &mm(-least[1]));
         }
     }
 
