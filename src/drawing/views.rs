@@ -156,13 +156,14 @@ impl ViewPainter<'_> {
         }
         level(sheet, [left, far], [high, high + FIRST], &size_x);
         upright(sheet, [low, top], [right, right + FIRST], &size_y);
-        // (Beyond the mirror's size, whose figure would meet a cutting line there.)
+        // (Beyond the mirror's size, whose figure would meet a cutting line there, and no line through that figure.)
         let [x, y] = view.origin;
+        let from_figure = |edge: f64| [edge + SECOND - 2.5, edge + SECOND];
         if is_aside(least[0], size[0]) {
-            level(sheet, [left, x], [high, high + SECOND], &mm(-least[0]));
+            level(sheet, [left, x], from_figure(high), &mm(-least[0]));
         }
         if is_aside(least[1], size[1]) {
-            upright(sheet, [low, y], [right, right + SECOND], &mm(-least[1]));
+            upright(sheet, [low, y], from_figure(right), &mm(-least[1]));
         }
     }
 
