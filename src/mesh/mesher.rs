@@ -81,7 +81,8 @@ impl<'a> Mesher<'a> {
         self.all(|panel| panel.estimate(limits))
     }
 
-    /// What `of` makes of every panel; the first panel's error, where several have one. A coarse mesh keeps one thread busy.
+    /// What `of` makes of every panel, side by side, since the drawing of a coarse mesh uses one thread; the first panel's error, where
+    /// several have one.
     fn of_each<T: Send>(
         &mut self,
         of: impl Fn(&mut PanelMesher<'a>) -> Result<T, MeshError> + Sync,
