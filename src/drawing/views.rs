@@ -156,7 +156,7 @@ impl ViewPainter<'_> {
         }
         level(sheet, [left, far], [high, high + FIRST], &size_x);
         upright(sheet, [low, top], [right, right + FIRST], &size_y);
-        // (Beyond the mirror's size, whose figure would meet a cutting line there, and no line through that figure.)
+        // The axis stands in a second row: in the first its figure could meet the mirror's size. Its lines begin beyond that figure.
         let [x, y] = view.origin;
         let from_figure = |edge: f64| [edge + SECOND - 2.5, edge + SECOND];
         if is_aside(least[0], size[0]) {

@@ -81,8 +81,8 @@ impl<'a> Mesher<'a> {
         self.all(|panel| panel.estimate(limits))
     }
 
-    /// What `of` makes of every panel, side by side, since the drawing of a coarse mesh uses one thread; the first panel's error, where
-    /// several have one.
+    /// What `of` makes of every panel, in parallel, since the drawing of a coarse mesh uses one thread; the first panel's error, where
+    /// several have one, after all of them.
     fn of_each<T: Send>(
         &mut self,
         of: impl Fn(&mut PanelMesher<'a>) -> Result<T, MeshError> + Sync,

@@ -36,7 +36,7 @@ mod tests;
 pub use bound::error_bound::{ErrorBound, Limits};
 pub use bound::error_bounder::ErrorBounder;
 pub use bound::vertex::SurfaceVertex;
-pub use budget::{Budget, ClosureCount, MeshPlan};
+pub use budget::{Budget, ClosureCount, LEAST_USED, MeshPlan};
 pub use error::{ImageSingularity, MeshError};
 pub use face::{Face, FaceForecast};
 pub use sizing::optimum::Optimum;

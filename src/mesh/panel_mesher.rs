@@ -25,10 +25,16 @@ pub(super) struct PanelMesher<'a> {
     sizing: Option<SizingField>,
     /// The bounder of the last precision.
     bounder: Option<ErrorBounder<'a>>,
-    /// How far failures are taken to spread: as far as they were once seen to.
+    /// The last coarse mesh: a mesh often follows a forecast within the same limits.
+    coarse: Option<KnownCoarseMesh>,
+}
+
+/// A coarse mesh, and what it was drawn for.
+struct KnownCoarseMesh {
+    limits: Limits,
+    /// How far failures were taken to spread: no farther than they were seen to within the same limits.
     spread: FailureSpread,
-    /// The coarse mesh of the last limits where failures spread so far: a mesh often follows a forecast within the same ones.
-    coarse: Option<(Limits, FailureSpread, CoarseMesh)>,
+    coarse: CoarseMesh,
 }
 
 impl<'a> PanelMesher<'a> {
@@ -38,7 +44,6 @@ impl<'a> PanelMesher<'a> {
             problem: ImagingProblem { mirror, camera: *camera, view },
             sizing: None,
             bounder: None,
-            spread: FailureSpread::Local,
             coarse: None,
         }
     }
@@ -67,19 +72,14 @@ impl<'a> PanelMesher<'a> {
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
     pub(super) fn forecast(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
-        let (mirror, spread) = (self.problem.mirror, self.spread);
-        let found = self.forecast_by(limits, |bounder, coarse| {
-            if !coarse.must_be_made_to_count(copies(mirror)) {
-                return Ok(Some(estimate(mirror, coarse)));
-            }
-            Ok(panel(bounder, coarse, limits, spread)?.map(|(panel, _)| counted(mirror, &panel)))
+        let copies = copies(self.problem.mirror);
+        let estimated = self.forecast_by(limits, |bounder, coarse| {
+            let is_estimate = !coarse.must_be_made_to_count(copies);
+            Ok(is_estimate.then(|| estimate(bounder.mirror(), coarse)))
         })?;
-        match found {
+        match estimated {
             Some(forecast) => Ok(forecast),
-            None => {
-                self.spread = FailureSpread::Wide;
-                Ok(counted(mirror, &self.panel(limits)?.0))
-            }
+            None => Ok(counted(self.problem.mirror, &self.panel(limits)?.0)),
         }
     }
 
@@ -88,14 +88,15 @@ impl<'a> PanelMesher<'a> {
     /// # Errors
     /// [`MeshError`] when there is no such mesh.
     fn panel(&mut self, limits: Limits) -> Result<(TriMesh, ErrorBound), MeshError> {
+        let known = self.coarse.as_ref().filter(|known| known.limits == limits);
+        let mut spread = known.map_or(FailureSpread::Local, |known| known.spread);
         loop {
-            let spread = self.spread;
-            let made = self.with_coarse_mesh(limits, |bounder, coarse| {
+            let made = self.with_coarse_mesh(limits, spread, |bounder, coarse| {
                 panel(bounder, coarse, limits, spread)
             })?;
             match made {
                 Some(panel) => return Ok(panel),
-                None => self.spread = FailureSpread::Wide,
+                None => spread = FailureSpread::Wide,
             }
         }
     }
@@ -114,29 +115,29 @@ impl<'a> PanelMesher<'a> {
         by: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError> + Send,
     ) -> Result<T, MeshError> {
         // From a thread of the pool, the others are reached more quickly.
-        parallel::join(|| self.with_coarse_mesh(limits, by), || ()).0
+        parallel::join(|| self.with_coarse_mesh(limits, FailureSpread::Local, by), || ()).0
     }
 
-    /// The result of `make` for the bounder and the coarse mesh of `limits`.
+    /// The result of `make` for the bounder and the coarse mesh of `limits`, where failures spread so far.
     fn with_coarse_mesh<T>(
         &mut self,
         limits: Limits,
+        spread: FailureSpread,
         make: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError>,
     ) -> Result<T, MeshError> {
-        let wanted = (limits, self.spread);
-        let known = self.coarse.take().filter(|(limits, spread, _)| (*limits, *spread) == wanted);
-        let coarse = match known {
-            Some((.., coarse)) => coarse,
-            None => self.draw(limits)?,
+        let is_wanted = |known: &KnownCoarseMesh| known.limits == limits && known.spread == spread;
+        let known = match self.coarse.take().filter(is_wanted) {
+            Some(known) => known,
+            None => KnownCoarseMesh { limits, spread, coarse: self.draw(limits, spread)? },
         };
         let bounder = self.bounder.as_ref().expect("what draws a mesh bounds its facets");
-        let made = make(bounder, &coarse);
-        self.coarse = Some((limits, self.spread, coarse));
+        let made = make(bounder, &known.coarse);
+        self.coarse = Some(known);
         made
     }
 
-    /// Draws the coarse mesh of `limits`, with the bounder of their precision.
-    fn draw(&mut self, limits: Limits) -> Result<CoarseMesh, MeshError> {
+    /// Draws the coarse mesh of `limits` where failures spread so far, with the bounder of their precision.
+    fn draw(&mut self, limits: Limits, spread: FailureSpread) -> Result<CoarseMesh, MeshError> {
         let problem = self.problem;
         assert!(problem.view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
         let domain = domain(problem.mirror);
@@ -150,7 +151,7 @@ impl<'a> PanelMesher<'a> {
         );
         self.sizing = Some(sizing);
         let bounder = self.bounder.insert(bounder);
-        candidate?.choose_size(bounder, limits, self.spread)
+        candidate?.choose_size(bounder, limits, spread)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Whole meshes of every kind of mirror, sampled against their proven bounds by independent code.
 
+use super::mesher::{Mesher, SmoothPanels};
 use super::refine::probe::{ProbeOutcome, RefinementProbe};
 use super::{ErrorBound, ErrorBounder, Face, Limits, MeshError, SurfaceVertex, mesh};
 use crate::geom::{Chart, DVec2, DVec3, Outline, Precision, Rect, turn};
@@ -418,5 +419,29 @@ fn given_mirrors_under_a_pinhole() {
             let [chord, facet] = case.hold(&face, 6);
             assert!(if limits.0.is_some() { chord } else { facet } > 0.6, "{chord} {facet}");
         }
+    }
+}
+
+/// Within the first limits failures spread from facet to facet.
+#[test]
+fn a_mesh_does_not_depend_on_the_limits_before_it() {
+    let rect = Rect { min: DVec2::new(-20.0, 3.0), max: DVec2::new(20.0, 25.0) };
+    let mirror = sheet(rect, PARALLEL, 4, |q| -q.length_squared() / 60.0);
+    let view = strip(StripLaw::Equirectangular, Target::Infinity);
+    let panels = SmoothPanels::new(&mirror, Some(&view));
+    let limits = [0.3, 0.45].map(|limit| Limits {
+        chord_mm: None,
+        facet_mm: Some(limit),
+        precision: Precision::Single,
+    });
+    let mesher = || Mesher::new(&panels, &PINHOLE);
+    let fresh = limits.map(|limits| mesher().mesh(limits).unwrap().mesh);
+    let foreseen = limits.map(|limits| mesher().forecast(limits).unwrap());
+    let mut after = mesher();
+    for k in [0, 1, 1, 0, 1] {
+        assert_eq!(after.forecast(limits[k]).unwrap(), foreseen[k]);
+        assert_eq!(after.mesh(limits[k]).unwrap().mesh, fresh[k]);
+        assert!(after.estimate(limits[k]).is_ok());
+        assert_eq!(after.mesh(limits[k]).unwrap().mesh, fresh[k]);
     }
 }

@@ -4,7 +4,7 @@
 use super::face::{added_to, forecast, limits};
 use crate::design::Design;
 use crate::geom::{Outline, Precision};
-use crate::mesh::{Limits, mesh};
+use crate::mesh::{LEAST_USED, Limits, mesh};
 use crate::num::rounding::{two_digits_above, two_digits_below};
 use crate::num::units::{Mm, Px};
 use crate::profile::{CadFormat, FileFormat, Profile};
@@ -18,9 +18,7 @@ const LARGE: u64 = 100_000_000;
 const BELOW: f64 = 0.93;
 /// Most forecasts made to find a suggestion.
 const FORECASTS: usize = 12;
-/// The least share of a budget that is used without a warning; how much finer each mesh is that is made
-/// to say why, and most of these.
-const ENOUGH: f64 = 0.95;
+/// How much finer each mesh is that is made to say why a budget is not used, and most of these.
 const FINER: f64 = 0.98;
 const FINER_MESHES: usize = 12;
 /// The least share of a mirror outside the frame that draws a warning.
@@ -68,11 +66,11 @@ impl SizeWarnings<'_> {
         warnings
     }
 
-    /// The warning of a budget of which less than [`ENOUGH`] is used: what stands against a finer mesh, the next of
+    /// The warning of a budget of which less than [`LEAST_USED`] is used: what stands against a finer mesh, the next of
     /// which has been made already or not.
     pub(crate) fn unspent(&self, made: &MeshFacts, next_finer: Option<usize>) -> Option<String> {
         let most = made.max_triangles?;
-        if made.triangles as f64 >= ENOUGH * most as f64 {
+        if made.triangles as f64 >= LEAST_USED * most as f64 {
             return None;
         }
         let why = match next_finer {

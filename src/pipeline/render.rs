@@ -6,7 +6,8 @@ use super::run::{Command, Run};
 use super::scenery::{PartScene, RenderOptions, SceneName, Scenery, WorldScene, stem};
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::geom::{DVec2, DVec3, Ray, Rect};
+use crate::geom::{Chart, DVec2, DVec3, Ray, Rect};
+use crate::mirror::Mirror;
 use crate::num::{cos, radians, sin};
 use crate::optics::{Target, ThinnedFrame};
 use crate::profile::Profile;
@@ -170,9 +171,9 @@ fn setup<'a>(design: &Design, scene: &'a Scene) -> SetupDiagram<'a> {
     const RAYS_DEG: ([f64; 5], f64) = ([-66.0, -33.0, 0.0, 33.0, 66.0], 9.0);
     const STEEPEST: f64 = 0.7;
     const STEPS: i32 = 96;
-    let bounds = design.mirror.full_outline().bounds();
+    let bounds = bounds_on_chart(&design.mirror, &design.camera.chart);
     let half_mm = bounds.size() * 0.5;
-    let reach = half_mm.length();
+    let reach = bounds.min.abs().max(bounds.max.abs()).length();
     let radius_mm = match design.view.as_ref().map(|view| &view.target) {
         Some(&Target::Cylinder { radius_mm }) if radius_mm < 4.0 * reach => radius_mm,
         _ => 1.6 * reach,
@@ -214,11 +215,49 @@ fn setup<'a>(design: &Design, scene: &'a Scene) -> SetupDiagram<'a> {
     SetupDiagram { scene, image: Rect { min, max }, image_mm, radius_mm, heights_mm, rays }
 }
 
+/// The rectangle around the mirror as the camera of chart `camera` sees it, on that chart.
+fn bounds_on_chart(mirror: &Mirror, camera: &Chart) -> Rect {
+    // Places along each rim, with the extremes of round ones among them.
+    const PLACES: usize = 720;
+    let outline = mirror.full_outline();
+    if mirror.chart == *camera {
+        return outline.bounds();
+    }
+    let seen = |q: &DVec2| camera.coordinates(mirror.position(*q, &mirror.at(*q))).0;
+    let rims = outline.rims(PLACES);
+    let places: Vec<DVec2> = rims.iter().flatten().map(seen).collect();
+    let min = places.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+    let max = places.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+    Rect { min, max }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::TriMesh;
     use crate::pipeline::load;
+
+    #[test]
+    fn the_image_of_a_given_mirror_goes_as_far_as_the_camera_sees_it() {
+        let text = "part = { width_mm = 80, height_mm = 60, base_mm = 5 }
+            camera.pinhole = { pixels = [640, 480], focal_px = 900, distance_mm = 150 }
+            mirror.polynomial = { radius_mm = -60, terms = [[3, 0, 1e-5]] }
+            mesh.chord_um = 2
+            export.formats = [\"stl\"]";
+        let profile = Profile::parse("given", "given.toml", text.as_bytes()).unwrap();
+        let design = crate::design::design(&profile).unwrap();
+        assert_ne!(design.mirror.chart, design.camera.chart);
+        let bounds = bounds_on_chart(&design.mirror, &design.camera.chart);
+        // A convex mirror is nearest to the camera, and looks largest, in the middle of its sides.
+        let half = 0.5 * bounds.size();
+        for way in [DVec2::X, -DVec2::X, DVec2::Y, -DVec2::Y] {
+            let is_seen = |share: f64| {
+                let q = bounds.centre() + share * half * way;
+                reflected_on_chart(&design, &[q])[0].is_some()
+            };
+            assert_eq!([0.999, 1.001].map(is_seen), [true, false], "{way}");
+        }
+    }
 
     #[test]
     fn rays_come_straight_from_a_camera_that_leans() {

@@ -28,7 +28,7 @@ const THICK: f64 = 0.006;
 pub struct SetupDiagram<'a> {
     /// The part.
     pub scene: &'a Scene,
-    /// Sides of the image, which is drawn in the plane Z = `image_mm`.
+    /// Rectangle of the image, which is drawn in the plane Z = `image_mm`, in X and Y.
     pub image: Rect,
     /// Where its plane is.
     pub image_mm: f64,

@@ -1,5 +1,6 @@
 //! Same profile, same bytes: on any number of threads, from any folder, into any folder.
 
+use crate::panels::small_panels;
 use crate::support::builds::{self, SMALL, edited, files, folder, lasting, morion, save, told};
 use crate::support::{placeless, small_but, small_strip};
 use std::collections::BTreeMap;
@@ -81,6 +82,15 @@ fn a_section_is_the_same_on_any_number_of_threads() {
 fn a_mercator_picture_off_the_middle_is_the_same_on_any_number_of_threads() {
     let edits = [("cylindrical", "mercator"), ("[-30, 30]", "[-35, 25]")];
     the_thread_count_leaves_no_trace(&edited(SMALL, &edits), 0);
+}
+
+#[test]
+fn panels_and_their_budget_are_the_same_on_any_number_of_threads() {
+    let text = edited(
+        &small_panels("\"stl\", \"obj\""),
+        &[("mesh.facet_px = 3", "mesh.max_triangles = 12000")],
+    );
+    the_thread_count_leaves_no_trace(&text, 0);
 }
 
 #[test]

@@ -163,19 +163,19 @@ fn chamfered_edges_are_drawn_and_told() {
     }
 }
 
-/// X of the upright lines of a PDF, mm on paper.
-fn upright_lines(pdf: &[u8]) -> Vec<f64> {
+/// Places along an axis of a PDF's lines across it, mm on paper.
+fn lines_across(pdf: &[u8], axis: usize) -> Vec<f64> {
     let text: String = pdf.iter().map(|&byte| char::from(byte)).collect();
     let place = |line: &str, operator: &str| -> Option<[f64; 2]> {
         let mut numbers = line.strip_suffix(operator)?.split_whitespace().map(str::parse);
         Some([numbers.next()?.ok()?, numbers.next()?.ok()?])
     };
     let lines: Vec<&str> = text.lines().collect();
-    let upright = |pair: &[&str]| {
-        let ([x, _], [to, _]) = (place(pair[0], " m")?, place(pair[1], " l")?);
-        (x == to).then_some(x * 25.4 / 72.0)
+    let across = |pair: &[&str]| {
+        let (from, to) = (place(pair[0], " m")?[axis], place(pair[1], " l")?[axis]);
+        (from == to).then_some(from * 25.4 / 72.0)
     };
-    lines.windows(2).filter_map(upright).collect()
+    lines.windows(2).filter_map(across).collect()
 }
 
 /// Beside a rim that lies evenly about the axis, the mirror of a camera that is not above it does not.
@@ -183,23 +183,39 @@ fn upright_lines(pdf: &[u8]) -> Vec<f64> {
 fn a_leaning_mirrors_own_size_is_drawn_where_the_mirror_is() {
     let out = folder();
     let text = std::fs::read_to_string("profiles/driver.toml").unwrap();
-    let text = edited(&text, &[("base_mm = 5", "base_mm = 12\nborder_mm = 20\nrim_mm = 3")]);
-    let profile = Profile::parse("driver", "driver.toml", text.as_bytes()).unwrap();
+    let edits = [
+        ("base_mm = 5", "base_mm = 12\nborder_mm = 20\nrim_mm = 3"),
+        ("towards_deg = 90", "towards_deg = 50"),
+    ];
+    let profile =
+        Profile::parse("driver", "driver.toml", edited(&text, &edits).as_bytes()).unwrap();
     let facts = DrawingOptions.publish(&profile, out.path(), &Silent).unwrap().drawing;
-    let aside = facts.mirror_least_mm[0] + 0.5 * facts.mirror_mm[0];
-    assert!(aside.abs() > 0.5, "{aside}");
     let (_, enlarged) = facts.scale.split_once(':').unwrap();
     let scale = 1.0 / enlarged.parse::<f64>().unwrap();
     let pdf = std::fs::read(out.path().join("driver/drawing.pdf")).unwrap();
-    assert!(shown(&pdf).contains(&mm(-facts.mirror_least_mm[0])));
-    let lines = upright_lines(&pdf);
-    let has = |x: f64| lines.iter().any(|line| (line - x).abs() < 0.01);
-    let ends =
-        |least: f64, size: f64| [least, least + size].map(|x| scale * (x - facts.least_mm[0]));
-    let [part, mirror] = [
-        ends(facts.least_mm[0], facts.size_mm[0]),
-        ends(facts.mirror_least_mm[0], facts.mirror_mm[0]),
-    ];
-    let all = || part.into_iter().chain(mirror);
-    assert!(lines.iter().any(|left| all().all(|x| has(left + x))), "{lines:?}");
+    for axis in [0, 1] {
+        let aside = facts.mirror_least_mm[axis] + 0.5 * facts.mirror_mm[axis];
+        assert!(aside.abs() > 0.5, "{aside}");
+        assert!(shown(&pdf).contains(&mm(-facts.mirror_least_mm[axis])));
+        let lines = lines_across(&pdf, axis);
+        let has = |at: f64| lines.iter().any(|line| (line - at).abs() < 0.01);
+        let ends = |least: f64, size: f64| {
+            [least, least + size].map(|at| scale * (at - facts.least_mm[axis]))
+        };
+        let [part, mirror] = [
+            ends(facts.least_mm[axis], facts.size_mm[axis]),
+            ends(facts.mirror_least_mm[axis], facts.mirror_mm[axis]),
+        ];
+        let all = || part.into_iter().chain(mirror);
+        assert!(lines.iter().any(|first| all().all(|at| has(first + at))), "{lines:?}");
+        // The excerpt of the sag table goes to the last rows and columns that a corner of the mirror may hold.
+        let mut places: Vec<f64> = facts.sag_mm.iter().map(|place| place[axis]).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let (first, size) = (facts.mirror_least_mm[axis], facts.mirror_mm[axis]);
+        let most = places.len() - 1;
+        let step = (places[most] - places[0]) / most as f64;
+        let short = [places[0] - first, first + size - places[most]];
+        assert!(short.iter().all(|far| (0.0..2.0 * step).contains(far)), "{short:?}");
+    }
 }

@@ -61,6 +61,9 @@ def pdf(path, facts, profile):
     figures += [mm(abs(facts["sphere_radius_mm"]))] if "sphere_radius_mm" in facts else []
     figures += [f"{place[2]:.4f}" for place in facts["sag_mm"]] + [str(facts["inspection_points"])]
     figures += [mm(side) for side in facts["mirror_mm"]] if "rim_mm" in facts and not facts["is_round"] else []
+    mirror = zip(facts["mirror_least_mm"], facts["mirror_mm"])
+    aside = [mm(-least) for least, size in mirror if abs(2 * least + size) > MICROMETRE]
+    figures += aside if "rim_mm" in facts and not facts["is_round"] else []
     for feature in facts.get("features", []):
         figures += [feature["name"], *map(mm, feature["at_mm"]), mm(feature["diameter_mm"]), feature["what"]]
     return bad + [f"{figure} is not in the text" for figure in figures if figure not in text]

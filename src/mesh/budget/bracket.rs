@@ -22,6 +22,11 @@ impl PowerLaw {
         Self { theory, power: theory, last: None }
     }
 
+    /// The same power for numbers of another kind, as of meshes after forecasts.
+    pub(super) fn for_others(self) -> Self {
+        Self { last: None, ..self }
+    }
+
     /// A factor on `limit`, which has `count` triangles, towards `target` triangles.
     pub(super) fn step(&mut self, limit: f64, count: f64, target: f64) -> f64 {
         if count.is_infinite() {
@@ -161,6 +166,29 @@ mod tests {
         assert!((power.step(1.0, 101.0, 100.0) - 1.005).abs() < 1e-4);
         let next = power.step(1.01, 102.5, 100.0);
         assert!((1.01..1.02).contains(&next), "{next}");
+    }
+
+    #[test]
+    fn the_power_of_forecasts_leads_to_a_mesh_in_three_steps() {
+        for power in [0.25, 0.5, 1.0, 2.0] {
+            let count = |limit: f64| 1e4 * exp(-power * log(limit));
+            let mut law = PowerLaw::new(2.0);
+            // Forecasts that come to the target from far away.
+            let mut limit = 0.1;
+            for _ in 0..20 {
+                limit *= law.step(limit, count(limit), 1e4);
+            }
+            assert!((count(limit) / 1e4 - 1.0).abs() < 0.01, "{power}");
+            // Meshes have 3 % more triangles than were foreseen.
+            let mut law = law.for_others();
+            let found = (0..3).map(|_| {
+                let found = 1.03 * count(limit);
+                limit *= law.step(limit, found, 1e4);
+                found
+            });
+            let last = found.last().unwrap();
+            assert!((last / 1e4 - 1.0).abs() < 0.01, "{power}: {last}");
+        }
     }
 
     #[test]

@@ -17,6 +17,8 @@ use crate::optics::ImagingTask;
 use bracket::{Bracket, PowerLaw};
 use tuning::TUNING;
 
+pub use tuning::LEAST_USED;
+
 /// The number of triangles that closing a face adds, which is not for the mesh to know.
 pub trait ClosureCount {
     /// The number for a face that is foreseen.
@@ -127,11 +129,10 @@ impl<'a> BudgetSearch<'a> {
     }
 
     /// Makes meshes within limits from `limit` on until the budget is used well.
-    fn run(&mut self, mut limit: f64) -> Result<(), MeshError> {
+    fn run(&mut self, mut limit: f64, mut power: PowerLaw) -> Result<(), MeshError> {
         let most = self.budget.triangles as f64;
         let usual = self.budget.usual_meshes();
         let enough_used = TUNING.enough[usize::from(!self.budget.is_small())] * most;
-        let mut power = self.budget.power_law();
         for made in 1.. {
             let count = self.make(limit)?;
             let content = count <= most && count >= enough_used;
@@ -175,9 +176,10 @@ impl Budget<'_> {
         let mut search = BudgetSearch::new(self, &panels);
         let fewest = self.loosest(&mut search.mesher);
         search.try_loosest(&fewest)?;
-        let aim = self.limit_of(&self.aim(&mut search.mesher, fewest)?);
+        let (plan, power) = self.aim(&mut search.mesher, fewest)?;
+        let aim = self.limit_of(&plan);
         let limit = search.bracket.next(aim, aim);
-        search.run(limit)?;
+        search.run(limit, power.for_others())?;
         search.try_finer();
         let best = search.best.expect("a bracket closes on a limit that fitted");
         let finer = search.too_fine.into_iter().filter(|(limit, _)| *limit < self.error(&best));
@@ -208,7 +210,7 @@ impl Budget<'_> {
         let panels = SmoothPanels::new(self.mirror, self.view);
         let mut mesher = self.mesher(&panels);
         let fewest = self.loosest(&mut mesher);
-        let plan = self.aim(&mut mesher, fewest)?;
+        let (plan, _) = self.aim(&mut mesher, fewest)?;
         if self.foreseen(&plan.forecast) <= TUNING.forecast_error * self.triangles as f64 {
             return Ok(plan);
         }
@@ -236,15 +238,20 @@ impl Budget<'_> {
         }
     }
 
-    /// The limit at which a forecast comes nearest to the budget, or that of the `fewest`.
-    fn aim(&self, mesher: &mut Mesher, fewest: FewestTriangles) -> Result<MeshPlan, MeshError> {
+    /// The limit at which a forecast comes nearest to the budget, or that of the `fewest`; with the power law of forecasts.
+    fn aim(
+        &self,
+        mesher: &mut Mesher,
+        fewest: FewestTriangles,
+    ) -> Result<(MeshPlan, PowerLaw), MeshError> {
+        let mut power = self.power_law();
         let target = TUNING.target * self.triangles as f64;
         let near = TUNING.near_target[usize::from(!self.is_small())];
         let fitting = target * (1.0 + near);
         if let Ok((plan, count)) = fewest
             && count > fitting
         {
-            return Ok(plan);
+            return Ok((plan, power));
         }
         let mut bracket = self.bracket();
         let mut limit = bracket.clamp(self.guess());
@@ -252,7 +259,6 @@ impl Budget<'_> {
         if let Some((plan, count)) = &plan {
             bracket.note(self.limit_of(plan), *count, target);
         }
-        let mut power = self.power_law();
         for _ in 0..TUNING.most_forecasts {
             let limits = self.limits(limit);
             let count = match mesher.estimate(limits) {
@@ -274,7 +280,8 @@ impl Budget<'_> {
             }
             limit = bracket.next(limit, limit * power.step(limit, count, target));
         }
-        plan.map_or_else(|| fewest.map(|(plan, _)| plan), |(plan, _)| Ok(plan))
+        let (plan, _) = plan.map_or(fewest, Ok)?;
+        Ok((plan, power))
     }
 
     fn mesher<'m>(&'m self, panels: &'m SmoothPanels) -> Mesher<'m> {

@@ -66,6 +66,11 @@ pub fn arrangements() -> Vec<(&'static str, Profile)> {
     named.chain([("leaning", leaning)]).map(|(name, text)| (name, parsed(&text))).collect()
 }
 
+/// A profile of three panels, of a small frame, with these formats of files.
+pub fn small_panels(formats: &str) -> String {
+    text(&THREE, 8, formats)
+}
+
 fn layouts() -> [&'static [Panel]; 4] {
     [&QUARTERS, &THREE, &COLUMNS, &PINWHEEL]
 }
