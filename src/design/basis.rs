@@ -96,10 +96,10 @@ fn means(degree: usize, ends: [f64; 2]) -> Vec<f64> {
 
 impl Basis {
     /// Products P_i P_j of Legendre polynomials up to `degree` in each direction over `area`
-    /// (mm), but for the constant: the mean over the area is zero. With `even_x` only those even
-    /// about the middle in x, looked at in its right half alone.
+    /// (mm), but for the constant: the mean over the area is zero. Along a direction that is `even` only
+    /// those even about its middle, looked at in the upper half alone.
     #[must_use]
-    pub(super) fn rectangle(area: Rect, even_x: bool, degree: usize, places: NodeSet) -> Self {
+    pub(super) fn rectangle(area: Rect, even: [bool; 2], degree: usize, places: NodeSet) -> Self {
         let line = match places {
             // Degree + 1 nodes are exact for the polynomials; the rest resolve the field.
             NodeSet::Quadrature => gauss(degree + 16 + degree % 2),
@@ -107,7 +107,10 @@ impl Basis {
             NodeSet::Extrema => extrema(degree),
         };
         let (half, centre) = (0.5 * area.size(), area.centre());
-        let table = |half: f64, centre: f64, skip: usize, times: f64| {
+        let table = |axis: usize| {
+            let (half, centre) = (half[axis], centre[axis]);
+            // The middle place, where there is one, is k = len / 2.
+            let (skip, times) = if even[axis] { (line.len() / 2, 2.0) } else { (0, 1.0) };
             let place = |&(t, w, coarse): &(f64, f64, bool)| {
                 let p = values(degree, t);
                 let d = derivatives(&p).iter().map(|d| d / half).collect();
@@ -119,16 +122,14 @@ impl Basis {
             };
             AxisTable { places: line[skip..].iter().map(place).collect() }
         };
-        // The middle place, where there is one, is k = len / 2.
-        let (skip, times, stride) = if even_x { (line.len() / 2, 2.0, 2) } else { (0, 1.0, 1) };
-        let terms: Vec<(usize, usize)> = (0..=degree)
-            .step_by(stride)
-            .flat_map(|i| (0..=degree).map(move |j| (i, j)))
+        let degrees = |axis: usize| (0..=degree).step_by(if even[axis] { 2 } else { 1 });
+        let terms: Vec<(usize, usize)> = degrees(0)
+            .flat_map(|i| degrees(1).map(move |j| (i, j)))
             .filter(|&term| term != (0, 0))
             .collect();
         Self {
-            along: table(half.x, centre.x, skip, times),
-            across: table(half.y, centre.y, 0, 1.0),
+            along: table(0),
+            across: table(1),
             levels: vec![0.0; terms.len()],
             terms,
             size_mm: area.size().max_element(),
@@ -153,13 +154,13 @@ impl Basis {
     #[must_use]
     pub(super) fn over_picture(
         (area, picture): (Rect, Rect),
-        even_x: bool,
+        even: [bool; 2],
         degree: usize,
         places: NodeSet,
         view: &ImagingTask,
     ) -> Self {
-        let whole = Self::rectangle(area, even_x, degree, places);
-        let in_picture = Self::rectangle(picture, even_x, degree, places);
+        let whole = Self::rectangle(area, even, degree, places);
+        let in_picture = Self::rectangle(picture, even, degree, places);
         let is_wanted = |image: DVec2| view.projection.wants(image);
         let share = |image: DVec2| match picture.contains(image) && is_wanted(image) {
             true => 1.0,
@@ -364,7 +365,7 @@ mod tests {
     #[test]
     fn weights_sum_to_the_area() {
         let sum = |b: &Basis| (0..b.len()).map(|k| b.weight(k)).sum::<f64>();
-        for even in [false, true] {
+        for even in [[false; 2], [true, false], [true; 2]] {
             let area = sum(&Basis::rectangle(strip(), even, 7, NodeSet::Quadrature));
             assert!((area - 16.0).abs() < 1e-12);
         }
@@ -378,7 +379,7 @@ mod tests {
     #[test]
     fn the_mean_is_zero_over_the_part_that_is_asked_for() {
         let part = Rect { min: DVec2::new(-1.0, 1.5), max: DVec2::new(3.0, 3.0) };
-        let whole = Basis::rectangle(strip(), false, 5, NodeSet::Quadrature);
+        let whole = Basis::rectangle(strip(), [false; 2], 5, NodeSet::Quadrature);
         let c: Vec<f64> = (0..whole.unknowns()).map(|k| 1.0 / (k + 1) as f64).collect();
         let moved = whole.clone().with_mean_zero_over(part, strip());
         // The same function less a constant: its own mean over the part, by a quadrature there.
@@ -407,7 +408,7 @@ mod tests {
     #[test]
     fn slopes_are_those_of_the_function() {
         // x^2 y on the strip in Legendre form, with u = x - 1 over 4 and v = y - 2.
-        let basis = Basis::rectangle(strip(), false, 2, NodeSet::Extrema);
+        let basis = Basis::rectangle(strip(), [false; 2], 2, NodeSet::Extrema);
         let u2 = [1.0 + 16.0 / 3.0, 8.0, 32.0 / 3.0];
         let c: Vec<f64> = basis.terms().iter().map(|&(i, j)| u2[i] * [2.0, 1.0, 0.0][j]).collect();
         for (k, [f, x, y]) in basis.locals(&c).into_iter().enumerate() {
@@ -442,13 +443,14 @@ mod tests {
 
     #[test]
     fn coarse_places_hold_the_corners() {
-        for even in [false, true] {
+        for even in [[false; 2], [true, false], [true; 2]] {
             let basis = Basis::rectangle(strip(), even, 5, NodeSet::Extrema);
             let corner = |q: DVec2| {
                 (0..basis.len()).any(|k| basis.coarse(k) && (basis.at(k) - q).length() < 1e-14)
             };
-            assert!(corner(strip().max) && corner(DVec2::new(5.0, 1.0)));
-            assert_eq!(corner(strip().min), !even);
+            assert!(corner(strip().max));
+            assert_eq!(corner(DVec2::new(5.0, 1.0)), !even[1]);
+            assert_eq!(corner(DVec2::new(-3.0, 3.0)), !even[0]);
         }
     }
 }

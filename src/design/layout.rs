@@ -185,7 +185,7 @@ impl DesignProblem {
             picture: is_bent.then_some(exact),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
             mirror_symmetric: [
-                middle_deg % 180.0 == 0.0 && !is_bent && target.is_symmetric_in_x(),
+                middle_deg % 180.0 == 0.0 && !is_bent && target.is_symmetric(0),
                 false,
             ],
         })
@@ -234,38 +234,28 @@ impl DesignProblem {
         let centre_deg = wanted.centre_deg.unwrap_or([towards_deg, 90.0 - fold_deg]);
         let view =
             Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount);
-        let symmetric = view.is_symmetric_in_x();
-        let view = Projection::Framed(FramedView::Azimuthal(view));
-        Self::framed(camera, area, view, wanted.target.clone(), symmetric)
+        Self::framed(camera, area, FramedView::Azimuthal(view), wanted.target.clone())
     }
 
     /// The problem of a picture given as data, on a rectangle.
     fn map(profile: &Profile, wanted: &MapSpec, camera: Camera) -> Self {
         let area = rectangle_of(profile, &camera);
         let map = SampledMap::new(&wanted.samples, camera.frame(), camera.image_of(area));
-        let symmetric = map.is_symmetric_in_x();
-        let view = Projection::Framed(FramedView::Map(Arc::new(map)));
-        Self::framed(camera, area, view, wanted.target.clone(), symmetric)
+        Self::framed(camera, area, FramedView::Map(Arc::new(map)), wanted.target.clone())
     }
 
-    /// The problem of a picture that ends with the frame, on the rectangle `area`; `symmetric`: reflecting it in X = 0
-    /// reflects the world.
-    pub(super) fn framed(
-        camera: Camera,
-        area: Rect,
-        projection: Projection,
-        target: Target,
-        symmetric: bool,
-    ) -> Self {
-        let symmetric = symmetric
-            && target.is_symmetric_in_x()
-            && camera.picture.is_symmetric_in_x()
-            && camera.chart.lean.x == 0.0;
+    /// The problem of a picture that ends with the frame, on the rectangle `area`.
+    pub(super) fn framed(camera: Camera, area: Rect, view: FramedView, target: Target) -> Self {
+        let mirror_symmetric = [0, 1].map(|axis| {
+            area.reflected(axis) == area
+                && view.is_symmetric(axis)
+                && is_symmetric(&camera, &target, axis)
+        });
         Self {
             camera,
-            mirror_symmetric: [symmetric, false],
+            mirror_symmetric,
             view: ImagingTask {
-                projection,
+                projection: Projection::Framed(view),
                 target,
                 origin_mm: 0.0,
                 fold: None,
@@ -277,6 +267,11 @@ impl DesignProblem {
             picture: Some(camera.frame()),
         }
     }
+}
+
+/// Whether a camera and its target are their own reflections in X = 0 (`axis` 0) or Y = 0 (1).
+pub(super) fn is_symmetric(camera: &Camera, target: &Target, axis: usize) -> bool {
+    target.is_symmetric(axis) && camera.picture.is_symmetric(axis) && camera.chart.lean[axis] == 0.0
 }
 
 /// Failure of an inner rim that comes to lie outside the outer one, both image radii in mm.

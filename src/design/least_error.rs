@@ -420,7 +420,7 @@ mod tests {
             let area = rectangle(2.0, 3.0);
             let lower = least(area, 24, &field);
             let upper = [6, 16].map(|degree| {
-                let basis = Basis::rectangle(area, false, degree, NodeSet::Quadrature);
+                let basis = Basis::rectangle(area, [false; 2], degree, NodeSet::Quadrature);
                 solve(&basis, &field, &SolverOptions::default()).unwrap().integral
             });
             println!("{by_height}: {lower} {upper:?}");

@@ -5,15 +5,16 @@
 //! its height f over the chart and changes nothing of what it shows. A panel's height is therefore free. Before a near target
 //! it is as free, but the panel has to be solved for at its height, which its neighbours decide. Where two
 //! panels meet, the wall between them lies in a plane through the pupil, so that the camera sees its edge alone.
+//! Of panels that are each other's reflections one is solved for.
 
 use super::cause::FailureCause;
 use super::faceted_target;
 use super::facts::{DesignFacts, DividingLineFacts};
-use super::layout::{DesignProblem, rectangle_of};
+use super::layout::{DesignProblem, is_symmetric, rectangle_of};
 use super::panel_joint::PanelJoint;
 use super::{MOST_ROUNDS, surface};
 use crate::geom::{DVec2, DividingLine, Outline, Panels, Rect};
-use crate::mirror::{Mirror, PanelledSurface, Surface, TensorLegendre};
+use crate::mirror::{HeightField, Mirror, PanelledSurface, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::num::radians;
 use crate::num::units::Mm;
@@ -85,6 +86,9 @@ pub(super) fn solved(
     })
 }
 
+/// Planes of reflection: X = 0 (0), Y = 0 (1), and both.
+const REFLECTIONS: [&[usize]; 3] = [&[0], &[1], &[0, 1]];
+
 /// The problems of all panels.
 struct PanelProblems<'a> {
     profile: &'a Profile,
@@ -109,10 +113,7 @@ impl PanelProblems<'_> {
         let mut order: Option<Vec<usize>> = None;
         let mut last_step_mm = f64::NAN;
         for _ in 0..MOST_ROUNDS {
-            let solve = |k: usize| self.sheet(k, raised_mm[k], method);
-            let solved = parallel::map(self.parts.0.len(), 1, solve);
-            let solved = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
-            let (sheets, facts): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
+            let (sheets, facts) = self.sheets(&raised_mm, method)?;
             let joint = PanelJoint::new(&self.camera.chart, self.parts, lines, &sheets);
             let raised = order.as_ref().map_or_else(|| joint.best(), |order| joint.raised(order));
             let raised = raised.ok_or(FailureCause::NotFinite { what: "step between panels" })?;
@@ -126,6 +127,49 @@ impl PanelProblems<'_> {
             (raised_mm, order) = (raised.by, Some(raised.order));
         }
         Err(FailureCause::NotSelfConsistent { rounds: MOST_ROUNDS, last_step_mm })
+    }
+
+    /// The surfaces of all panels, as of [`PanelProblems::sheet`], and their figures.
+    ///
+    /// # Errors
+    /// [`FailureCause`] when a panel has no answer.
+    fn sheets(
+        &self,
+        raised_mm: &[f64],
+        method: &Method,
+    ) -> Result<(Vec<TensorLegendre>, Vec<DesignFacts>), FailureCause> {
+        let count = self.parts.0.len();
+        let originals: Vec<_> = (0..count).map(|k| self.original(k, raised_mm)).collect();
+        let solved = parallel::map(count, 1, |k| {
+            let is_own = originals[k].0 == k;
+            is_own.then(|| self.sheet(k, raised_mm[k], method)).transpose()
+        });
+        let solved = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let panel = |&(original, axes): &(usize, &[usize])| {
+            let (sheet, facts) = solved[original].as_ref().expect("originals are solved for");
+            let sheet = axes.iter().fold(sheet.clone(), |sheet, &axis| sheet.reflected(axis));
+            (sheet, facts.clone())
+        };
+        Ok(originals.iter().map(panel).unzip())
+    }
+
+    /// The first panel of which panel `k` is the reflection in these planes: itself in none.
+    fn original(&self, k: usize, raised_mm: &[f64]) -> (usize, &'static [usize]) {
+        let is_far = *self.target == Target::Infinity;
+        let found = (0..k).filter(|&j| is_far || raised_mm[j] == raised_mm[k]).find_map(|j| {
+            let found = REFLECTIONS.into_iter().find(|axes| self.are_reflections([j, k], axes));
+            found.map(|axes| (j, axes))
+        });
+        found.unwrap_or((k, &[]))
+    }
+
+    /// Whether two panels, and all around them, are each other's reflections in these planes.
+    fn are_reflections(&self, [j, k]: [usize; 2], axes: &[usize]) -> bool {
+        let part = axes.iter().fold(self.parts.0[j], |part, &axis| part.reflected(axis));
+        let view = axes.iter().try_fold(self.views[j].clone(), |view, &axis| view.reflected(axis));
+        part == self.parts.0[k]
+            && view.as_ref() == Some(&self.views[k])
+            && axes.iter().all(|&axis| is_symmetric(&self.camera, self.target, axis))
     }
 
     /// The surface of panel `k` as it is about the reference plane, where it is to be raised by `raised_mm`, and its figures.
@@ -145,8 +189,8 @@ impl PanelProblems<'_> {
             }
             (target, _) => target.clone(),
         };
-        let view = Projection::Framed(self.views[k].clone());
-        let problem = DesignProblem::framed(self.camera, self.parts.0[k], view, target, false);
+        let view = self.views[k].clone();
+        let problem = DesignProblem::framed(self.camera, self.parts.0[k], view, target);
         faceted_target::check(self.profile, &problem)?;
         let (mirror, facts) = surface::solved(&problem, method)?;
         let Surface::Tensor(sheet) = mirror.surface else {

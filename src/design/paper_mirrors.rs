@@ -73,8 +73,8 @@ impl PaperMirror {
         Self {
             half,
             degree,
-            squares: Basis::rectangle(area, true, degree, NodeSet::Quadrature),
-            rim: Basis::rectangle(area, true, degree, NodeSet::Extrema),
+            squares: Basis::rectangle(area, [true, false], degree, NodeSet::Quadrature),
+            rim: Basis::rectangle(area, [true, false], degree, NodeSet::Extrema),
         }
     }
 

@@ -364,7 +364,7 @@ mod tests {
     fn a_gradient_is_met_in_one_step() {
         // F = x^2 y^2 - 1/9.
         let field = GradientOf(|q| DVec2::new(2.0 * q.x * q.y * q.y, 2.0 * q.x * q.x * q.y));
-        for even in [false, true] {
+        for even in [[false; 2], [true, false], [true; 2]] {
             let basis = Basis::rectangle(square(), even, 4, NodeSet::Quadrature);
             let fit = solve(&basis, &field, &SolverOptions::default()).unwrap();
             assert_eq!(fit.steps, 1);
@@ -394,7 +394,7 @@ mod tests {
         // (-y, x) is divergence-free and along the rim of a disc; on the square its best gradient
         // is not zero, but its integral is at most that of |q|^2, 8/3, and the residual is
         // orthogonal to every gradient.
-        let basis = Basis::rectangle(square(), false, 6, NodeSet::Quadrature);
+        let basis = Basis::rectangle(square(), [false; 2], 6, NodeSet::Quadrature);
         let fit = solve(&basis, &GradientOf(|q| DVec2::new(-q.y, q.x)), &SolverOptions::default())
             .unwrap();
         let locals = basis.locals(&fit.coefficients);

@@ -47,11 +47,11 @@ pub(super) fn solved(
 fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
     match problem.domain {
         Outline::Rect(area) => {
-            let (even_x, view) = (problem.mirror_symmetric[0], &problem.view);
+            let (even, view) = (problem.mirror_symmetric, &problem.view);
             if let Some(picture) = problem.picture {
-                return Basis::over_picture((area, picture), even_x, degree, places, view);
+                return Basis::over_picture((area, picture), even, degree, places, view);
             }
-            let whole = Basis::rectangle(area, even_x, degree, places);
+            let whole = Basis::rectangle(area, even, degree, places);
             match problem.section {
                 Some(panel) => whole.with_mean_zero_over(panel, area),
                 None => whole,

@@ -30,6 +30,14 @@ impl Rect {
         self.size().x * self.size().y
     }
 
+    /// The rectangle reflected in X = 0 (`axis` 0) or Y = 0 (1).
+    #[must_use]
+    pub fn reflected(&self, axis: usize) -> Self {
+        let Self { mut min, mut max } = *self;
+        (min[axis], max[axis]) = (-max[axis], -min[axis]);
+        Self { min, max }
+    }
+
     /// Whether `p` lies inside or on the rim.
     #[must_use]
     pub fn contains(&self, p: DVec2) -> bool {

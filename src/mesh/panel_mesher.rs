@@ -1,9 +1,10 @@
 //! Meshes and forecasts of one smooth mirror by several limits: what is known of the mirror is found out once.
 
+use super::bound::bound_table::TableResolution;
 use super::bound::error_bound::{ErrorBound, Limits};
 use super::bound::error_bounder::ErrorBounder;
 use super::bound::imaging_problem::ImagingProblem;
-use super::coarse::candidate::CoarseCandidate;
+use super::coarse::candidate::{CoarseCandidate, WantedCells};
 use super::coarse::coarse_mesh::CoarseMesh;
 use super::error::MeshError;
 use super::face::{Face, FaceForecast};
@@ -23,7 +24,7 @@ pub(super) struct PanelMesher<'a> {
     problem: ImagingProblem<'a>,
     /// The sizing field of the last limits.
     sizing: Option<SizingField>,
-    /// The bounder of the last precision.
+    /// The bounder of the last precision and resolution.
     bounder: Option<ErrorBounder<'a>>,
     /// The last coarse mesh: a mesh often follows a forecast within the same limits.
     coarse: Option<KnownCoarseMesh>,
@@ -143,13 +144,18 @@ impl<'a> PanelMesher<'a> {
         let domain = domain(problem.mirror);
         let known = self.sizing.take().and_then(|sizing| sizing.with_limits(limits));
         let sizing = known.unwrap_or_else(|| SizingField::new(&problem, domain, limits));
-        let known = self.bounder.take().filter(|bounder| bounder.precision == limits.precision);
+        let sizing = self.sizing.insert(sizing);
+        let cells = WantedCells::new(problem.mirror, sizing, domain, copies(problem.mirror))?;
+        let precision = limits.precision;
+        let resolution = TableResolution::for_facets(&problem, cells.facets());
+        let suits =
+            |known: &ErrorBounder| known.precision == precision && known.resolution == resolution;
+        let known = self.bounder.take().filter(suits);
+        let make = || ErrorBounder::for_part(domain, problem, precision, resolution);
+        let bounder = || known.unwrap_or_else(make);
+        let candidate = || CoarseCandidate::new(problem.mirror, cells);
         // Neither keeps all threads busy.
-        let (bounder, candidate) = parallel::join(
-            || known.unwrap_or_else(|| ErrorBounder::for_part(domain, problem, limits.precision)),
-            || CoarseCandidate::new(problem.mirror, &sizing, domain, copies(problem.mirror)),
-        );
-        self.sizing = Some(sizing);
+        let (bounder, candidate) = parallel::join(bounder, candidate);
         let bounder = self.bounder.insert(bounder);
         candidate?.choose_size(bounder, limits, spread)
     }

@@ -95,11 +95,26 @@ impl Azimuthal {
         [degrees(atan2(x, y)), 90.0 - 2.0 * degrees(atan(radius))]
     }
 
-    /// Whether reflecting the picture in X = 0 reflects the world.
+    /// The view with picture and world reflected in X = 0 (`axis` 0) or Y = 0 (1).
     #[must_use]
-    pub fn is_symmetric_in_x(&self) -> bool {
-        let [a, b] = self.rotation;
-        a.y == 0.0 && b.x == 0.0 && self.turn[1] == 0.0 && self.middle.x == 0.0
+    pub fn reflected(&self, axis: usize) -> Self {
+        let across = |mut place: DVec2| {
+            place[axis] = -place[axis];
+            place
+        };
+        let ([a, b], [c, s, side]) = (self.rotation, self.turn);
+        Self {
+            rotation: [conjugate(a), across(b)],
+            turn: [c, -s, side],
+            middle: across(self.middle),
+            ..self.clone()
+        }
+    }
+
+    /// Whether reflecting the picture in X = 0 (`axis` 0) or Y = 0 (1) reflects the world.
+    #[must_use]
+    pub fn is_symmetric(&self, axis: usize) -> bool {
+        self.reflected(axis) == *self
     }
 
     /// Direction that image point `q` must see, as a stereographic coordinate.
@@ -272,19 +287,25 @@ mod tests {
     #[test]
     fn symmetry_is_exact_for_upright_views_above_and_below() {
         let plane = law(Perspective, 40.0);
-        for (azimuth, roll, symmetric) in [
-            (0.0, 0.0, true),
-            (180.0, 0.0, true),
-            (-180.0, 360.0, true),
-            (90.0, 0.0, false),
-            (0.0, 5.0, false),
+        for (centre, roll, symmetric) in [
+            ([0.0, 40.0], 0.0, [true, false]),
+            ([180.0, 40.0], 0.0, [true, false]),
+            ([-180.0, 40.0], 360.0, [true, false]),
+            ([90.0, 40.0], 0.0, [false, true]),
+            ([0.0, 40.0], 5.0, [false; 2]),
+            ([30.0, 40.0], 0.0, [false; 2]),
+            ([0.0, 90.0], 0.0, [true; 2]),
+            ([30.0, 90.0], 180.0, [true; 2]),
+            ([0.0, 90.0], 5.0, [false; 2]),
         ] {
-            let view =
-                Azimuthal::new(plane.clone(), [azimuth, 40.0], roll, true, &Mount::default());
-            assert_eq!(view.is_symmetric_in_x(), symmetric, "{azimuth} {roll}");
-            if symmetric {
-                let [x, y] = view.direction_of([7.0, 3.0]);
+            let view = Azimuthal::new(plane.clone(), centre, roll, true, &Mount::default());
+            assert_eq!([0, 1].map(|axis| view.is_symmetric(axis)), symmetric, "{centre:?} {roll}");
+            let [x, y] = view.direction_of([7.0, 3.0]);
+            if symmetric[0] {
                 assert_eq!(view.direction_of([-7.0, 3.0]), [-x, y]);
+            }
+            if symmetric[1] {
+                assert_eq!(view.direction_of([7.0, -3.0]), [x, -y]);
             }
         }
     }

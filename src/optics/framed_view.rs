@@ -43,6 +43,24 @@ impl FramedView {
         }
     }
 
+    /// The view with picture and world reflected in X = 0 (`axis` 0) or Y = 0 (1); none of data.
+    #[must_use]
+    pub fn reflected(&self, axis: usize) -> Option<Self> {
+        match self {
+            Self::Azimuthal(view) => Some(Self::Azimuthal(view.reflected(axis))),
+            Self::Map(_) => None,
+        }
+    }
+
+    /// Whether reflecting the picture in X = 0 (`axis` 0) or Y = 0 (1) reflects the world.
+    #[must_use]
+    pub fn is_symmetric(&self, axis: usize) -> bool {
+        match self {
+            Self::Azimuthal(view) => view.is_symmetric(axis),
+            Self::Map(map) => map.is_symmetric(axis),
+        }
+    }
+
     /// Whether it is in perspective.
     #[must_use]
     pub fn keeps_lines(&self) -> bool {

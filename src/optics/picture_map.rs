@@ -176,11 +176,12 @@ impl PictureMap {
         self.lens.map_or(image, |lens| lens.ideal(image))
     }
 
-    /// Whether what is symmetric about X = 0 on the part is so in the picture.
+    /// Whether what is symmetric about X = 0 (`axis` 0) or Y = 0 (1) on the part is so in the picture.
     #[must_use]
-    pub fn is_symmetric_in_x(&self) -> bool {
+    pub fn is_symmetric(&self, axis: usize) -> bool {
         let upright = |plane: ObliquePlane| {
-            plane.foot.x == 0.0 && plane.recession.x == 0.0 && plane.across.x_axis.y == 0.0
+            let is_diagonal = plane.across.x_axis.y == 0.0 && plane.across.y_axis.x == 0.0;
+            plane.foot[axis] == 0.0 && plane.recession[axis] == 0.0 && is_diagonal
         };
         self.lens.is_none() && self.plane.is_none_or(upright)
     }

@@ -154,15 +154,15 @@ impl PosedTarget {
         !self.parts(at_mm, self.viewpoint_mm) && self.inside(at_mm) != Some(0.0)
     }
 
-    /// Whether surface and viewpoint are their own reflections in the plane X = 0.
+    /// Whether surface and viewpoint are their own reflections in the plane X = 0 (`k` 0) or Y = 0 (1).
     #[must_use]
-    pub fn is_symmetric_in_x(&self) -> bool {
-        self.viewpoint_mm.x == 0.0
+    pub fn is_symmetric(&self, k: usize) -> bool {
+        self.viewpoint_mm[k] == 0.0
             && match self.shape {
-                Shape::Plane { normal } => normal.x == 0.0,
-                Shape::Quadric { centre, axis: None, .. } => centre.x == 0.0,
+                Shape::Plane { normal } => normal[k] == 0.0,
+                Shape::Quadric { centre, axis: None, .. } => centre[k] == 0.0,
                 Shape::Quadric { centre, axis: Some(axis), .. } => {
-                    (axis.x == 0.0 && centre.x == 0.0) || axis.x.abs() == 1.0
+                    (axis[k] == 0.0 && centre[k] == 0.0) || axis[k].abs() == 1.0
                 }
                 Shape::Mesh(_) => false,
             }

@@ -173,7 +173,7 @@ pub struct SampledMap {
     /// Image points here and there with their stereographic coordinates: where a search begins that finds nothing from
     /// its own start.
     starts: Vec<[DVec2; 2]>,
-    is_symmetric: bool,
+    is_symmetric: [bool; 2],
     radians_per_mm: f64,
     interpolation: f64,
 }
@@ -231,7 +231,8 @@ impl SampledMap {
         let sigma = splines.map(|spline| BoundedSpline::new(&spline, rings));
         let radians_per_mm = radians_per_mm(&sigma, frame.centre());
         let starts = starts(&sigma, frame);
-        let is_symmetric = frame.min.x == -frame.max.x && is_symmetric(&given, columns);
+        let is_symmetric = [0, 1]
+            .map(|axis| frame.min[axis] == -frame.max[axis] && is_symmetric(&given, columns, axis));
         let size = samples.size();
         Self { size, sigma, gaps, starts, is_symmetric, radians_per_mm, interpolation }
     }
@@ -279,10 +280,10 @@ impl SampledMap {
         self.size
     }
 
-    /// Whether reflecting the picture in X = 0 reflects the world: to far less than any use of it shows.
+    /// Whether reflecting the picture in X = 0 (`axis` 0) or Y = 0 (1) reflects the world: to far less than any use of it shows.
     #[must_use]
-    pub fn is_symmetric_in_x(&self) -> bool {
-        self.is_symmetric
+    pub fn is_symmetric(&self, axis: usize) -> bool {
+        self.is_symmetric[axis]
     }
 
     /// Share of the samples of which nothing is wanted.
@@ -316,13 +317,18 @@ fn turn_per_sigma(sigma: DVec2) -> f64 {
     2.0 / (1.0 + sigma.length_squared())
 }
 
-/// Whether the stereographic coordinates, row by row of so many columns, are odd and even across the picture.
-fn is_symmetric(sigma: &[DVec2], columns: usize) -> bool {
+/// Whether one of the stereographic coordinates, row by row of so many columns, is odd along its own axis of the picture, and the other
+/// one even.
+fn is_symmetric(sigma: &[DVec2], columns: usize, axis: usize) -> bool {
     /// Largest departure from it: rounding of double precision.
     const ROUNDING: f64 = 1e-13;
+    let reflected = |k: usize| match axis {
+        0 => (sigma[k + columns - 1 - 2 * (k % columns)], DVec2::new(-1.0, 1.0)),
+        _ => (sigma[sigma.len() - columns + 2 * (k % columns) - k], DVec2::new(1.0, -1.0)),
+    };
     (0..sigma.len()).all(|k| {
-        let other = sigma[k + columns - 1 - 2 * (k % columns)];
-        let off = sigma[k] - DVec2::new(-other.x, other.y);
+        let (other, signs) = reflected(k);
+        let off = sigma[k] - signs * other;
         let both_missing = sigma[k].is_nan() && other.is_nan();
         both_missing || off.abs().max_element() <= ROUNDING * (1.0 + sigma[k].length())
     })

@@ -64,12 +64,12 @@ impl Target {
         matches!(self, Self::Posed(target) if target.is_faceted())
     }
 
-    /// Whether it is its own reflection in the plane X = 0.
+    /// Whether it is its own reflection in the plane X = 0 (`axis` 0) or Y = 0 (1).
     #[must_use]
-    pub fn is_symmetric_in_x(&self) -> bool {
+    pub fn is_symmetric(&self, axis: usize) -> bool {
         match self {
             Self::Infinity | Self::Cylinder { .. } | Self::Plane { .. } => true,
-            Self::Posed(target) => target.is_symmetric_in_x(),
+            Self::Posed(target) => target.is_symmetric(axis),
         }
     }
 

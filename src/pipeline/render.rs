@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn rays_come_straight_from_a_camera_that_leans() {
-        for name in ["driver", "floor", "conquistador"] {
+        for name in ["driver", "floor", "conquistador", "calibrated"] {
             let design = crate::design::design(&load(name).unwrap()).unwrap();
             let place = design.mirror.position(DVec2::ZERO, &design.mirror.at(DVec2::ZERO));
             let size = DVec3::splat(1.0);

@@ -37,6 +37,27 @@ pub(crate) enum BoundTable {
     },
 }
 
+/// Number of cells of a table to the side of one cell of the mirror's bound grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TableResolution(usize);
+
+impl TableResolution {
+    /// The one for a part of about so many facets: large ones take in several cells at any.
+    pub(crate) fn for_facets(problem: &ImagingProblem, facets: f64) -> Self {
+        // (The formulas of directions lose little over whole cells, and round mirrors have no grid.)
+        if problem.is_direction_only() || axisymmetric_surface(problem).is_some() {
+            return Self(1);
+        }
+        let few = TUNING.cells_for_few_facets.into_iter().find(|(below, _)| facets < *below);
+        Self(few.map_or(TUNING.most_cells_per_grid_cell, |(_, cells)| cells))
+    }
+
+    /// The finest one.
+    pub(crate) fn finest(problem: &ImagingProblem) -> Self {
+        Self::for_facets(problem, f64::INFINITY)
+    }
+}
+
 /// A facet, or a part of one, in the coordinates in which it is bounded.
 #[derive(Debug)]
 pub(crate) struct FacetFrame {
@@ -65,14 +86,14 @@ impl FacetFrame {
 
 impl BoundTable {
     /// The table for the part `part` of the panel.
-    pub(crate) fn new(problem: &ImagingProblem, part: Rect) -> Self {
+    pub(crate) fn new(problem: &ImagingProblem, part: Rect, resolution: TableResolution) -> Self {
         if let Some(round) = axisymmetric_surface(problem) {
             let width = round.radius[1] / TUNING.axis_columns as f64;
             let regions = vec![OnceLock::new(); TUNING.levels * (TUNING.axis_columns + 1)];
             return Self::Axis { rings: Rings::new(round), width, regions };
         }
         let bounds = problem.mirror.surface.bound_grid(part);
-        let parts = problem.cells_per_grid_cell();
+        let TableResolution(parts) = resolution;
         let regions = bounds.map(parts, |part, bounds| {
             if is_outside(&problem.mirror.outline, part) {
                 RegionBounds::EMPTY

@@ -21,7 +21,7 @@
 //! These bounds are quick, and near the truth where facets are small against the mirror; `branch_and_bound` divides a
 //! facet where they are not.
 
-use super::bound_table::{BoundTable, FacetFrame};
+use super::bound_table::{BoundTable, FacetFrame, TableResolution};
 use super::content_bounds::{ContentBounds, FacetPlanes, ranges, second_derivatives};
 use super::deviation::largest_deviation;
 use super::error_bound::ErrorBound;
@@ -45,6 +45,7 @@ pub struct ErrorBounder<'a> {
     /// Part of the panel in which the facets are.
     pub(crate) part: Rect,
     pub(crate) table: BoundTable,
+    pub(crate) resolution: TableResolution,
 }
 
 impl<'a> ErrorBounder<'a> {
@@ -60,13 +61,20 @@ impl<'a> ErrorBounder<'a> {
         precision: Precision,
     ) -> Self {
         let problem = ImagingProblem { mirror, camera: *camera, view };
-        Self::for_part(mirror.outline.bounds(), problem, precision)
+        let resolution = TableResolution::finest(&problem);
+        Self::for_part(mirror.outline.bounds(), problem, precision, resolution)
     }
 
     /// A bounder for facets inside `part` of the panel.
-    pub(crate) fn for_part(part: Rect, problem: ImagingProblem<'a>, precision: Precision) -> Self {
-        let table = BoundTable::new(&problem, part);
-        Self { problem, direction_only: problem.is_direction_only(), precision, part, table }
+    pub(crate) fn for_part(
+        part: Rect,
+        problem: ImagingProblem<'a>,
+        precision: Precision,
+        resolution: TableResolution,
+    ) -> Self {
+        let table = BoundTable::new(&problem, part, resolution);
+        let direction_only = problem.is_direction_only();
+        Self { problem, direction_only, precision, part, table, resolution }
     }
 
     /// The mirror.

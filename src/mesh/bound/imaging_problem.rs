@@ -54,11 +54,6 @@ impl ImagingProblem<'_> {
         ROUNDING * self.mirror.outline.bounds().size().max_element()
     }
 
-    /// Number of cells to the side of one cell of the mirror's bound grid.
-    pub(crate) fn cells_per_grid_cell(&self) -> usize {
-        if self.is_direction_only() { 1 } else { TUNING.cells_per_grid_cell }
-    }
-
     /// Bounds over the box `lo`..`hi`, where `bounds` hold for the mirror, and for facets that touch it and lie where
     /// `around` holds, or inside the box without that.
     pub(crate) fn region_bounds(

@@ -15,10 +15,12 @@ pub(crate) struct BoundTuning {
     /// Distance around a facet for which the table's bounds hold, in sizes of the mirror: rounded corners and the
     /// parallax of good facets stay within it, and it is far below a part.
     pub table_margin: f64,
-    /// Cells to the side of one cell of the mirror's bound grid, unless only directions count: there the imaging
-    /// formulas are so short that intervals lose little over whole cells. 4 makes tables that take twice as long as all else of a mesh
-    /// of 40 000 facets, 2 bounds so loose before a near room that facets there are looked at one by one.
-    pub cells_per_grid_cell: usize,
+    /// Cells to the side of one cell of the mirror's bound grid, at most. 4 makes tables that take twice as long as all else of a mesh
+    /// of 40 000 facets, 2 bounds so loose before a near floor that a mesh of a million facets takes an eighth longer.
+    pub most_cells_per_grid_cell: usize,
+    /// Cells for parts of fewer facets than so many. The finest table takes longer than all else of a mesh of some thousand facets, which 2 halve;
+    /// 1 makes half of them be looked at one by one on a near floor, and a table in a tenth of the time for the loosest limits of all.
+    pub cells_for_few_facets: [(f64, usize); 2],
     /// Share of the range of the mirror's gradient by which the range of facet gradients is wider at each end, where the mirror's is that of all
     /// places which facets reach: these are means over edges and leave the mirror's range by a little.
     pub gradient_margin: f64,
@@ -86,7 +88,8 @@ pub(crate) const TUNING: BoundTuning = BoundTuning {
     finest_level: 0.125,
     levels: 13,
     table_margin: 1e-6,
-    cells_per_grid_cell: 3,
+    most_cells_per_grid_cell: 3,
+    cells_for_few_facets: [(1_000.0, 1), (20_000.0, 2)],
     gradient_margin: 0.25,
     gradient_reach: 1.0,
     height_reach: 1e-3,

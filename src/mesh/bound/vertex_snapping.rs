@@ -94,7 +94,6 @@ impl ErrorBounder<'_> {
 mod tests {
     use super::*;
     use crate::geom::Chart;
-    use crate::mesh::bound::imaging_problem::ImagingProblem;
     use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
@@ -118,8 +117,7 @@ mod tests {
             folded: false,
             mirror_symmetric: [false; 2],
         };
-        let problem = ImagingProblem { mirror: &mirror, camera: mirror.chart, view: None };
-        let bounder = ErrorBounder::for_part(rect, problem, Precision::Single);
+        let bounder = ErrorBounder::new(&mirror, &mirror.chart, None, Precision::Single);
         let mut r = Draws::new(3);
         let mut off: Vec<f64> = (0..1000)
             .map(|_| {

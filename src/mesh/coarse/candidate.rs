@@ -29,17 +29,17 @@ fn mean(size: DVec2) -> f64 {
     (size.x * size.y).sqrt()
 }
 
-/// The first candidate of a coarse mesh, of which no facet has been bounded yet.
-pub(crate) struct CoarseCandidate {
-    /// The cells of the mesh that is wanted.
+/// The cells of the mesh that is wanted, of which none has been drawn yet.
+pub(crate) struct WantedCells {
     frames: FrameField,
     domain: Rect,
     copies: usize,
-    first: CoarseMesh,
+    /// Estimated number of facets of the part.
+    facets: f64,
 }
 
-impl CoarseCandidate {
-    /// A candidate for the part `domain` of `mirror`, of which the face holds `copies`.
+impl WantedCells {
+    /// The cells for the part `domain` of `mirror`, of which the face holds `copies`.
     ///
     /// # Errors
     /// [`MeshError`] where rounding alone exceeds the limits, or there would be too many facets.
@@ -50,16 +50,40 @@ impl CoarseCandidate {
         copies: usize,
     ) -> Result<Self, MeshError> {
         sizing.check_chord_rounding(mirror)?;
-        let (size, most) = (TUNING.first_size, TUNING.triangles);
-        let frames = FrameField::new(sizing, &mirror.outline, size, most);
-        let count = frames.facet_count(&mirror.outline);
-        MeshError::check_facets(count * copies as f64)?;
+        let frames = FrameField::new(sizing, &mirror.outline, TUNING.first_size, TUNING.triangles);
+        let facets = frames.facet_count(&mirror.outline);
+        MeshError::check_facets(facets * copies as f64)?;
         sizing.check_facet_tilt(&mirror.outline, |model| frames.facet_edges(model))?;
+        Ok(Self { frames, domain, copies, facets })
+    }
+
+    /// Estimated number of facets of the part.
+    pub(crate) fn facets(&self) -> f64 {
+        self.facets
+    }
+}
+
+/// The first candidate of a coarse mesh, of which no facet has been bounded yet.
+pub(crate) struct CoarseCandidate {
+    /// The cells of the mesh that is wanted.
+    frames: FrameField,
+    domain: Rect,
+    copies: usize,
+    first: CoarseMesh,
+}
+
+impl CoarseCandidate {
+    /// A candidate for a mesh of these cells on `mirror`.
+    ///
+    /// # Errors
+    /// [`MeshError`] where cells shrink without end, or points cannot be triangulated.
+    pub(crate) fn new(mirror: &Mirror, wanted: WantedCells) -> Result<Self, MeshError> {
+        let WantedCells { frames, domain, copies, facets } = wanted;
         let (mut first, usual) = (frames.clone(), usual_size(frames.kind));
-        if count > TUNING.halve_first_from {
+        if facets > TUNING.halve_first_from {
             first.coarsen(2);
         } else if usual < 1.0 {
-            first.rescale(size * usual);
+            first.rescale(TUNING.first_size * usual);
         }
         let first = CoarseMesh::new(mirror, domain, first)?;
         Ok(Self { frames, domain, copies, first })

@@ -275,7 +275,7 @@ mod tests {
         for (chord_mm, same) in [(10.0, true), (1e-4, false)] {
             let precision = Precision::Double;
             let limits = Limits { chord_mm: Some(chord_mm), facet_mm: None, precision };
-            let bounder = ErrorBounder::for_part(domain, problem, precision);
+            let bounder = ErrorBounder::new(&mirror, &chart, None, precision);
             let sizing = SizingField::new(&problem, domain, limits);
             let drawn = |size: f64| {
                 let frames = FrameField::new(&sizing, &outline, size, TUNING.triangles);

@@ -15,6 +15,22 @@ fn the_middle_of_a_symmetric_map_is_found() {
     }
 }
 
+#[test]
+fn a_map_is_symmetric_where_reflecting_the_picture_reflects_the_world() {
+    let frame = Rect { min: DVec2::new(-30.0, -10.0), max: DVec2::new(30.0, 10.0) };
+    let symmetric = |off: DVec2, higher: f64| {
+        // (Samples are over FRAME, which is 1 mm higher in the middle.)
+        let all = samples([12, 8], |q| (0.02 * (q - DVec2::Y - off)).extend(1.0).normalize());
+        let frame = Rect { max: frame.max + DVec2::new(0.0, higher), ..frame };
+        let map = SampledMap::new(&all, frame, frame);
+        [0, 1].map(|axis| map.is_symmetric(axis))
+    };
+    assert_eq!(symmetric(DVec2::ZERO, 0.0), [true; 2]);
+    assert_eq!(symmetric(DVec2::new(0.1, 0.0), 0.0), [false, true]);
+    assert_eq!(symmetric(DVec2::new(0.0, 0.1), 0.0), [true, false]);
+    assert_eq!(symmetric(DVec2::ZERO, 0.1), [true, false]);
+}
+
 /// Samples of the directions of `f` over the frame.
 fn samples([columns, rows]: [usize; 2], f: impl Fn(DVec2) -> DVec3) -> DirectionSamples {
     let cell = FRAME.size() / DVec2::new(columns as f64, rows as f64);
