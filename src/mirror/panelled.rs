@@ -75,13 +75,8 @@ impl HeightField for PanelledSurface {
     }
 
     fn reflected(&self, axis: usize) -> Self {
-        let reflect = |rect: &Rect| {
-            let (mut min, mut max) = (rect.min, rect.max);
-            (min[axis], max[axis]) = (-max[axis], -min[axis]);
-            Rect { min, max }
-        };
         Self {
-            parts: Panels(self.parts.0.iter().map(reflect).collect()),
+            parts: Panels(self.parts.0.iter().map(|part| part.reflected(axis)).collect()),
             sheets: self.sheets.iter().map(|sheet| sheet.reflected(axis)).collect(),
         }
     }

@@ -41,15 +41,19 @@ impl Mount {
     }
 }
 
-/// Sine and cosine of an angle in degrees, exact at quarter turns: what is symmetric stays so to the last bit.
+/// Sine and cosine of an angle in degrees, as symmetric as the circle: what is symmetric stays so to the last bit.
 pub(super) fn sine_and_cosine(angle_deg: f64) -> [f64; 2] {
-    match angle_deg.rem_euclid(360.0) {
-        0.0 => [0.0, 1.0],
-        90.0 => [1.0, 0.0],
-        180.0 => [0.0, -1.0],
-        270.0 => [-1.0, 0.0],
-        angle => [sin(radians(angle)), cos(radians(angle))],
-    }
+    // (Remainders and differences are exact.)
+    let turn = (angle_deg % 360.0).abs();
+    let side = if angle_deg < 0.0 { -1.0 } else { 1.0 };
+    let (half, side) = if turn > 180.0 { (360.0 - turn, -side) } else { (turn, side) };
+    let (quarter, ahead) = if half > 90.0 { (180.0 - half, -1.0) } else { (half, 1.0) };
+    let [s, c] = match quarter > 45.0 {
+        true => [cos(radians(90.0 - quarter)), sin(radians(90.0 - quarter))],
+        false => [sin(radians(quarter)), cos(radians(quarter))],
+    };
+    // (No zero is negative.)
+    [side * s + 0.0, ahead * c + 0.0]
 }
 
 /// Map of chart coordinates to image points, and back.
@@ -312,6 +316,20 @@ mod tests {
         mounts()
             .into_iter()
             .flat_map(move |mount| models.map(|model| (mount, Camera::new(&model, &mount, 80.0))))
+    }
+
+    #[test]
+    fn sines_and_cosines_are_as_symmetric_as_the_circle() {
+        for angle in (-1440..=1440).map(|k| 0.25 * f64::from(k)) {
+            let [s, c] = sine_and_cosine(angle);
+            let exact = radians(angle);
+            assert!((s - sin(exact)).abs() < 2e-15 && (c - cos(exact)).abs() < 2e-15, "{angle}");
+            assert_eq!(sine_and_cosine(-angle), [-s, c], "{angle}");
+            assert_eq!(sine_and_cosine(180.0 - angle), [s, -c], "{angle}");
+            assert_eq!(sine_and_cosine(360.0 + angle), [s, c], "{angle}");
+            let is_positive_zero = |x: f64| x != 0.0 || x.is_sign_positive();
+            assert!(is_positive_zero(s) && is_positive_zero(c), "{angle}");
+        }
     }
 
     #[test]

@@ -42,14 +42,16 @@ pub(crate) enum BoundTable {
 pub(crate) struct TableResolution(usize);
 
 impl TableResolution {
-    /// The one for a part of about so many facets: large ones take in several cells at any.
+    /// The one for a part of about so many facets.
     pub(crate) fn for_facets(problem: &ImagingProblem, facets: f64) -> Self {
         // (The formulas of directions lose little over whole cells, and round mirrors have no grid.)
         if problem.is_direction_only() || axisymmetric_surface(problem).is_some() {
             return Self(1);
         }
-        let few = TUNING.cells_for_few_facets.into_iter().find(|(below, _)| facets < *below);
-        Self(few.map_or(TUNING.most_cells_per_grid_cell, |(_, cells)| cells))
+        Self(match TUNING.coarser_for_facets.contains(&facets) {
+            true => TUNING.coarser_cells_per_grid_cell,
+            false => TUNING.cells_per_grid_cell,
+        })
     }
 
     /// The finest one.

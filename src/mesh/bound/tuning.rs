@@ -3,6 +3,8 @@
 //! None of them decides whether a bound holds; they trade the tightness of bounds against time and memory. Where a
 //! field names no measurement, it was chosen by trial on the surfaces of `benches/mesh.rs`.
 
+use std::ops::Range;
+
 /// Constants that tune the tightness and the cost of bounds.
 pub(crate) struct BoundTuning {
     /// Parts of the radius of a round mirror in its bound table: bounds over a part lose some per cent only, and a
@@ -15,12 +17,14 @@ pub(crate) struct BoundTuning {
     /// Distance around a facet for which the table's bounds hold, in sizes of the mirror: rounded corners and the
     /// parallax of good facets stay within it, and it is far below a part.
     pub table_margin: f64,
-    /// Cells to the side of one cell of the mirror's bound grid, at most. 4 makes tables that take twice as long as all else of a mesh
+    /// Cells to the side of one cell of the mirror's bound grid. 4 makes tables that take twice as long as all else of a mesh
     /// of 40 000 facets, 2 bounds so loose before a near floor that a mesh of a million facets takes an eighth longer.
-    pub most_cells_per_grid_cell: usize,
-    /// Cells for parts of fewer facets than so many. The finest table takes longer than all else of a mesh of some thousand facets, which 2 halve;
-    /// 1 makes half of them be looked at one by one on a near floor, and a table in a tenth of the time for the loosest limits of all.
-    pub cells_for_few_facets: [(f64, usize); 2],
+    pub cells_per_grid_cell: usize,
+    /// Cells for parts of `coarser_for_facets`.
+    pub coarser_cells_per_grid_cell: usize,
+    /// Facets of parts whose table is coarser: the other one takes longer than all else of a mesh of some thousand facets, which 2 cells nearly
+    /// halve. Fewer facets are as large as some cells, and what those reach beyond them loosens bounds: four views took 12 % more facets.
+    pub coarser_for_facets: Range<f64>,
     /// Share of the range of the mirror's gradient by which the range of facet gradients is wider at each end, where the mirror's is that of all
     /// places which facets reach: these are means over edges and leave the mirror's range by a little.
     pub gradient_margin: f64,
@@ -88,8 +92,9 @@ pub(crate) const TUNING: BoundTuning = BoundTuning {
     finest_level: 0.125,
     levels: 13,
     table_margin: 1e-6,
-    most_cells_per_grid_cell: 3,
-    cells_for_few_facets: [(1_000.0, 1), (20_000.0, 2)],
+    cells_per_grid_cell: 3,
+    coarser_cells_per_grid_cell: 2,
+    coarser_for_facets: 2e3..2e4,
     gradient_margin: 0.25,
     gradient_reach: 1.0,
     height_reach: 1e-3,

@@ -27,6 +27,14 @@ const QUARTERS: [Panel; 4] = [
     ([160, 320], [120, 240], [135.0, 0.0], 60.0, -45.0),
 ];
 
+/// The four quarters of the frame as of a plan: what lies behind is upside down.
+const PLAN: [Panel; 4] = [
+    ([0, 160], [0, 120], [-45.0, 0.0], 60.0, 135.0),
+    ([160, 320], [0, 120], [45.0, 0.0], 60.0, -135.0),
+    ([0, 160], [120, 240], [-135.0, 0.0], 60.0, -135.0),
+    ([160, 320], [120, 240], [135.0, 0.0], 60.0, 135.0),
+];
+
 /// Ahead and behind over a view straight back.
 const THREE: [Panel; 3] = [
     ([0, 160], [0, 120], [-20.0, 20.0], 40.0, 0.0),
@@ -129,7 +137,10 @@ fn views_around_are_the_right_way_up() {
 /// degree keeps from it, each for itself.
 #[test]
 fn panels_are_the_same_whether_or_not_they_are_reflections_of_others() {
-    for panels in [&QUARTERS[..], &THREE, &STACKED] {
+    let both = [DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0)];
+    for (panels, reflections) in
+        [(&QUARTERS[..], &both[..1]), (&THREE, &both[..1]), (&STACKED, &both[..1]), (&PLAN, &both)]
+    {
         let turned: Vec<Panel> =
             panels.iter().map(|&(a, b, c, d, roll)| (a, b, c, d, roll + 1e-9)).collect();
         let [own, turned] = [panels, &turned].map(|panels| designed(&text(panels, 10, "\"stl\"")));
@@ -140,6 +151,10 @@ fn panels_are_the_same_whether_or_not_they_are_reflections_of_others() {
             let q = bounds.min + share * bounds.size();
             let [a, b] = [&own, &turned].map(|design| design.mirror.at(q).slope);
             assert!((a - b).length() < 1e-8, "{panels:?} at {q}: {a} {b}");
+            for &axes in reflections {
+                let reflected = own.mirror.at(axes * q).slope;
+                assert_eq!(axes * reflected, a, "{panels:?} at {q}");
+            }
         }
     }
 }
