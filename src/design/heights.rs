@@ -4,9 +4,20 @@ use super::facts::SAMPLES;
 use crate::geom::{DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 
-/// The least and the largest Z over the panel, mm, to rounding (of a surface that sampling does not
+/// The least and the largest Z over the mirror, mm, to rounding (of a surface that sampling does not
 /// miss a dip or a peak of).
 pub(super) fn height_range(mirror: &Mirror) -> [f64; 2] {
+    if !mirror.has_steps() {
+        return range_without_steps(mirror);
+    }
+    // Samples on a line between panels are those of one of them, and the other one may be highest there.
+    let of_panels = mirror.panels().into_iter().map(|panel| range_without_steps(&panel));
+    of_panels.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], [low, high]| {
+        [least.min(low), most.max(high)]
+    })
+}
+
+fn range_without_steps(mirror: &Mirror) -> [f64; 2] {
     let lines = mirror.outline.samples(SAMPLES).into_iter();
     let all: Vec<DVec2> = lines.flatten().map(|(q, _)| q).collect();
     let found = along(mirror, &all);

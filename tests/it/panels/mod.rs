@@ -159,6 +159,28 @@ fn panels_are_the_same_whether_or_not_they_are_reflections_of_others() {
     }
 }
 
+/// Base and height of the part are those of the panel that reaches lowest and of the one that reaches highest, wherever in the panel:
+/// also along a line between panels, where samples of the mirror are those of one panel.
+#[test]
+fn the_part_is_as_high_as_its_highest_panel() {
+    let small = [&QUARTERS[..], &THREE, &PLAN].map(|panels| text(panels, 8, "\"stl\""));
+    let shipped = shipped().iter().find(|shipped| shipped.name == "four-views").unwrap();
+    for text in small.iter().map(String::as_str).chain([shipped.text]) {
+        let design = designed(text);
+        let heights = design.mirror.panels().into_iter().flat_map(|panel| {
+            let places: Vec<DVec2> =
+                panel.outline.bounds().grid(400, 400).map(|(q, _)| q).collect();
+            places.into_iter().map(move |q| panel.position(q, &panel.at(q)).z)
+        });
+        let [least, most] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], z| {
+            [least.min(z), most.max(z)]
+        });
+        let (base, top) = (design.profile.part.base_mm, design.mounting.size_mm[2]);
+        assert!((0.0..1e-3).contains(&(least - base + 1e-9)), "{least} over a base of {base}");
+        assert!((0.0..1e-3).contains(&(top - most + 1e-9)), "{most}, told as {top}");
+    }
+}
+
 /// The root mean square of the ray error over a panel's picture, mrad, by the law of reflection.
 fn ray_error(design: &Design, ([left, right], [top, bottom], ..): &Panel) -> f64 {
     let (camera, mirror) = (&design.camera, &design.mirror);
